@@ -1,0 +1,106 @@
+"""The whole film: a row of grooves, one curvature each, on a flat base."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mpfcad.film.groove import Groove, Profile
+
+
+@dataclass(frozen=True, eq=False)
+class PrismFilm:
+    """A prism film with grooves along y; lengths in mm.
+
+    Its underside is z = 0, the valleys of the bare prisms z = base, the tips z = base + depth.
+    Tips stand at x = 0, pitch, 2 pitch, … and y runs from 0 to length.
+
+    Attributes
+    ----------
+    groove
+        the bare V groove (pitch, depth)
+    base
+        thickness below the valleys
+    length
+        extent along the grooves
+    profile
+        `filled` or `ideal`
+    curvature
+        (n,) float64 [1/mm], C through the tips of each groove, left to right
+    origin
+        position [mm] on the panel of this film's x = 0; 0 for the panel itself
+    """
+
+    groove: Groove
+    base: float
+    length: float
+    profile: Profile
+    curvature: NDArray[np.float64]
+    origin: float = 0.0
+
+    def __post_init__(self) -> None:
+        curvature = np.array(self.curvature, dtype=np.float64)
+        curvature.flags.writeable = False
+        object.__setattr__(self, "curvature", curvature)
+
+    @property
+    def groove_count(self) -> int:
+        """Number of grooves n."""
+        return len(self.curvature)
+
+    @property
+    def width(self) -> float:
+        """Extent across the grooves [mm]."""
+        return self.groove_count * self.groove.pitch
+
+    @property
+    def thickness(self) -> float:
+        """Extent from the underside to the tips [mm]."""
+        return self.base + self.groove.depth
+
+    @property
+    def tip_position(self) -> NDArray[np.float64]:
+        """Tip positions x, (n+1,) float64 [mm]."""
+        return np.arange(self.groove_count + 1) * self.groove.pitch
+
+    @property
+    def groove_position(self) -> NDArray[np.float64]:
+        """Groove centres x, (n,) float64 [mm]."""
+        return (np.arange(self.groove_count) + 0.5) * self.groove.pitch
+
+    @property
+    def fill_fraction(self) -> NDArray[np.float64]:
+        """Fill fraction of each groove, (n,) float64, 0…1."""
+        return self.groove.fill_fraction(self.curvature)
+
+    @property
+    def fill_volume(self) -> float:
+        """Volume of the resin [mm³]."""
+        return float(np.sum(self.fill_fraction)) * self.groove.area * self.length
+
+    @property
+    def prism_volume(self) -> float:
+        """Volume of the prism film under the resin [mm³]."""
+        mean = self.groove.prism_mean_height(self.curvature, self.profile)
+        return float(np.sum(self.base + mean)) * self.groove.pitch * self.length
+
+    @property
+    def volume(self) -> float:
+        """Volume of prism film and resin together [mm³]."""
+        return self.prism_volume + self.fill_volume
+
+    def height(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return the surface height z [mm] above the underside at x [mm]."""
+        x = np.asarray(x, float)
+        index = np.clip((x / self.groove.pitch).astype(int), 0, self.groove_count - 1)
+        local = x - self.groove_position[index]
+        return self.base + self.groove.height(local, self.curvature[index], self.profile)
+
+    def cut(self, first: int, count: int, length: float) -> "PrismFilm":
+        """Return the piece of `count` grooves from groove `first` on, `length` mm long."""
+        return replace(
+            self,
+            curvature=self.curvature[first : first + count],
+            length=length,
+            origin=self.origin + first * self.groove.pitch,
+        )
