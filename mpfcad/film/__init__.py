@@ -2,10 +2,30 @@
 
 `Groove` knows the bare V and its resin; `PrismFilm` is a row of them with one curvature each;
 `CurvatureMap` holds what the user wants and lays it onto the grooves; `Process` ties the mask's
-aperture ratio to the fill fraction and so to the curvature.
+aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and write.
 """
 
+from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
+from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
+from mpfcad.film.process_file import read_process
 
-__all__ = ["PROFILES", "Groove", "PrismFilm", "Profile"]
+__all__ = [
+    "PROFILES",
+    "CurvatureMap",
+    "Extent",
+    "Groove",
+    "PrismFilm",
+    "Process",
+    "Profile",
+    "Repeat",
+    "check_aperture_ratio",
+    "check_curvature",
+    "check_printable",
+    "groove_ranges",
+    "read_curvature_map",
+    "read_process",
+    "write_curvature_map",
+]

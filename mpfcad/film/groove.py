@@ -5,9 +5,9 @@ The surface of curvature C goes through both tips (Hsieh, MPF thesis, eq. 14):
 
     p(x) = z0 + C/2 x²,   z0 = depth - C/2 w²,   w = pitch/2.
 
-`ideal` is p itself, which only a mould can make below the walls. `filled` is max(s|x|, p): resin can
-only be added. Above C = s/w (40 /mm for the BEF) p dives below the walls beyond the contact point
-x_c = 2 s/C - w; at C = 2 s/w (80 /mm) a filled groove is empty.
+`ideal` is p itself, which only a mould can make below the walls. `filled` is max(s|x|, p): resin
+can only be added. Above C = s/w (40 /mm for the BEF) p dives below the walls beyond the contact
+point x_c = 2 s/C - w; at C = 2 s/w (80 /mm) a filled groove is empty.
 """
 
 from dataclasses import dataclass
@@ -61,7 +61,8 @@ class Groove:
 
     def contact_position(self, curvature: ArrayLike) -> NDArray[np.float64]:
         """Return |x| [mm] where the parabola meets the wall: clip(2 s/C - w, 0, w)."""
-        curvature = np.maximum(np.asarray(curvature, float), np.finfo(float).tiny)
+        # Far below s/w the quotient is clipped anyway; the floor keeps it from overflowing.
+        curvature = np.maximum(np.asarray(curvature, float), self.curvature_covered / 2)
         w = self.half_width
         return np.clip(2 * self.wall_slope / curvature - w, 0.0, w)
 
@@ -117,9 +118,7 @@ class Groove:
         covered = 1.5 * (1 - fill) * self.curvature_covered
         return np.where(fill >= 1 / 3, covered, self.curvature_empty / (1 + xi))
 
-    def mean_height(
-        self, curvature: ArrayLike, profile: Profile = "filled"
-    ) -> NDArray[np.float64]:
+    def mean_height(self, curvature: ArrayLike, profile: Profile = "filled") -> NDArray[np.float64]:
         """Return the surface's mean height [mm] above the valley over the groove."""
         curvature = np.asarray(curvature, float)
         if profile == "ideal":
@@ -172,8 +171,9 @@ class Groove:
         from scipy.optimize import brentq
 
         top = float(self.fitted_curvature(self.curvature_empty))
-        if not 0 <= fitted_curvature <= top:
+        if not 0 <= fitted_curvature <= top * (1 + 1e-12):
             raise ValueError(f"fitted curvature {fitted_curvature:g} /mm is outside 0 … {top:g}")
+        fitted_curvature = min(fitted_curvature, top)
         return float(
             brentq(
                 lambda c: float(self.fitted_curvature(c)) - fitted_curvature,

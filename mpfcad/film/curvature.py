@@ -1,0 +1,125 @@
+"""What the user wants: curvature over position, laid onto the grooves; and what is refused.
+
+A map of extent `pitch` has position 0 above a lamp and covers one lamp pitch (`repeat`), or half of
+one (`mirror`), which then serves every lamp. A map of extent `panel` runs from the panel's left
+edge. Between its rows a map is linear.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.groove import Groove, Profile
+
+Extent = Literal["pitch", "panel"]
+Repeat = Literal["repeat", "mirror"]
+
+#: Decimals of a distance in mm kept in a lookup: float noise must not tell two mirror images apart.
+LOOKUP_DECIMALS = 9
+
+
+@dataclass(frozen=True, eq=False)
+class CurvatureMap:
+    """Curvature over position across the grooves.
+
+    Attributes
+    ----------
+    position
+        (m,) float64 [mm], increasing; from a lamp's axis (`pitch`) or the panel's edge (`panel`)
+    curvature
+        (m,) float64 [1/mm], C through the tips
+    extent
+        `pitch` or `panel`
+    repeat
+        `repeat` (the map is one lamp pitch) or `mirror` (it is half of one); no meaning for `panel`
+    """
+
+    position: NDArray[np.float64]
+    curvature: NDArray[np.float64]
+    extent: Extent
+    repeat: Repeat
+
+    def __post_init__(self) -> None:
+        for name in ("position", "curvature"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+
+    @classmethod
+    def uniform(cls, curvature: float) -> "CurvatureMap":
+        """Return the map that gives every groove the same curvature [1/mm]."""
+        return cls(np.zeros(1), np.array([curvature]), "panel", "repeat")
+
+    def on_grooves(
+        self, position: ArrayLike, lamp_pitch: float, lamp_position: float
+    ) -> NDArray[np.float64]:
+        """Return the curvature [1/mm] at groove centres.
+
+        Parameters
+        ----------
+        position
+            (n,) float64 [mm], groove centres on the panel
+        lamp_pitch
+            distance between lamps [mm]
+        lamp_position
+            position [mm] on the panel of any one lamp's axis
+        """
+        x = np.asarray(position, float)
+        if self.extent == "pitch":
+            offset = x - lamp_position
+            if self.repeat == "mirror":
+                x = np.abs(offset - lamp_pitch * np.rint(offset / lamp_pitch))
+            else:
+                x = offset - lamp_pitch * np.floor(np.round(offset / lamp_pitch, LOOKUP_DECIMALS))
+            x = np.round(x, LOOKUP_DECIMALS)
+        return np.interp(x, self.position, self.curvature)
+
+
+def curvature_range(groove: Groove, profile: Profile) -> str:
+    """Return the allowed curvatures of a profile as text for a message."""
+    if profile == "ideal":
+        return "0 or more"
+    return f"0 … {groove.curvature_empty:g}"
+
+
+def find_bad_curvature(
+    curvature: NDArray[np.float64], groove: Groove, profile: Profile
+) -> tuple[int, str] | None:
+    """Return the index of a curvature [1/mm] that is refused and why, or None."""
+    allowed = curvature_range(groove, profile)
+    bad = np.flatnonzero(~np.isfinite(curvature))
+    if bad.size:
+        return int(bad[0]), f"{curvature[bad[0]]:g}: allowed a finite number, {allowed}"
+    bad = np.flatnonzero(curvature < 0)
+    if bad.size:
+        return int(bad[0]), f"{curvature[bad[0]]:g}: negative: allowed {allowed}"
+    top = int(np.argmax(curvature))
+    if 0 < curvature[top] <= 1:
+        return top, (
+            f"{curvature[top]:g}: the largest value looks like 1/µm; multiply by 1000: "
+            f"allowed {allowed} /mm, not all of 1 or less"
+        )
+    bad = np.flatnonzero(curvature > groove.curvature_empty)
+    if profile == "filled" and bad.size:
+        return int(bad[0]), (
+            f"{curvature[bad[0]]:g}: not printable: allowed {allowed} for a filled film (at "
+            f"{groove.curvature_empty:g} /mm the groove is empty and resin can only be added; "
+            f"profile 'ideal' is for moulds)"
+        )
+    return None
+
+
+def check_curvature(curvature: float, groove: Groove, profile: Profile, where: str) -> None:
+    """Refuse a uniform curvature [1/mm] that a map would be refused for.
+
+    Raises
+    ------
+    InputError
+        that begins with `where` (file and field).
+    """
+    trouble = find_bad_curvature(np.array([curvature], dtype=float), groove, profile)
+    if trouble:
+        raise InputError(f"{where}: {trouble[1]}")

@@ -1,0 +1,184 @@
+"""The printing process: aperture ratio <-> fill fraction <-> curvature.
+
+Resin pressed through the apertures fills the grooves, so fill_fraction is a growing function of
+aperture_ratio with fill(0) = 0. It is kept as straight lines between knots, whose inverse is exact:
+
+* `volume`: fill_fraction = transfer_factor · aperture_ratio;
+* `table`: measured rows.
+
+Both end where the groove is full (fill 1) or at the last row. The resin laid down per area does not
+depend on the groove, so a calibration made in a groove of depth d0 is scaled by d0/depth.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.groove import Groove
+
+ProcessKind = Literal["volume", "table"]
+
+
+@dataclass(frozen=True, eq=False)
+class Process:
+    """A calibrated printing process for one groove.
+
+    The methods do not validate; `check_printable` does, at the boundary.
+
+    Attributes
+    ----------
+    groove
+        the groove that is printed into
+    kind
+        `volume` or `table`
+    knot_ratio, knot_fill
+        (m,) float64, aperture ratios and fill fractions 0…1, both increasing from 0
+    source
+        where the calibration comes from
+    caveats
+        what its user has to know
+    """
+
+    groove: Groove
+    kind: ProcessKind
+    knot_ratio: NDArray[np.float64]
+    knot_fill: NDArray[np.float64]
+    source: str
+    caveats: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def build(
+        cls,
+        groove: Groove,
+        kind: ProcessKind,
+        ratio: ArrayLike,
+        fill: ArrayLike,
+        source: str,
+        caveats: tuple[str, ...] = (),
+    ) -> "Process":
+        """Return the process with the given knots, (0, 0) put before and cut where fill is 1."""
+        ratio, fill = np.array(ratio, float), np.array(fill, float)
+        if ratio[0] > 0:
+            ratio, fill = np.append(0.0, ratio), np.append(0.0, fill)
+        if fill[-1] > 1:
+            full = np.interp(1.0, fill, ratio)
+            ratio, fill = np.append(ratio[fill < 1], full), np.append(fill[fill < 1], 1.0)
+        ratio.flags.writeable = fill.flags.writeable = False
+        return cls(groove, kind, ratio, fill, source, caveats)
+
+    @property
+    def transfer_factor(self) -> float | None:
+        """Fill fraction per aperture ratio of the volume model; None for a table."""
+        return float(self.knot_fill[1] / self.knot_ratio[1]) if self.kind == "volume" else None
+
+    @property
+    def aperture_ratio_max(self) -> float:
+        """Largest useful aperture ratio: the groove is full, or the calibration ends."""
+        return float(self.knot_ratio[-1])
+
+    @property
+    def fill_fraction_max(self) -> float:
+        """Largest fill fraction that the process reaches."""
+        return float(self.knot_fill[-1])
+
+    @property
+    def curvature_min(self) -> float:
+        """Smallest curvature [1/mm] that the process reaches."""
+        return float(self.groove.curvature_of_fill(self.fill_fraction_max))
+
+    def fill_fraction(self, aperture_ratio: ArrayLike) -> NDArray[np.float64]:
+        """Return the fill fraction, 0…1, that an aperture ratio gives."""
+        return np.interp(np.asarray(aperture_ratio, float), self.knot_ratio, self.knot_fill)
+
+    def aperture_ratio(self, fill_fraction: ArrayLike) -> NDArray[np.float64]:
+        """Return the aperture ratio that a fill fraction needs."""
+        return np.interp(np.asarray(fill_fraction, float), self.knot_fill, self.knot_ratio)
+
+    def curvature(self, aperture_ratio: ArrayLike) -> NDArray[np.float64]:
+        """Return the curvature [1/mm] through the tips that an aperture ratio gives."""
+        return self.groove.curvature_of_fill(self.fill_fraction(aperture_ratio))
+
+    def aperture_ratio_of_curvature(self, curvature: ArrayLike) -> NDArray[np.float64]:
+        """Return the aperture ratio that a curvature [1/mm] through the tips needs."""
+        return self.aperture_ratio(self.groove.fill_fraction(curvature))
+
+    def describe(self) -> dict[str, Any]:
+        """Return the calibration in outside names, fit for JSON."""
+        described: dict[str, Any] = {"kind": self.kind}
+        if self.kind == "volume":
+            described["transfer_factor"] = self.transfer_factor
+        else:
+            curvature = self.groove.curvature_of_fill(self.knot_fill)
+            columns = {
+                "aperture_ratio": self.knot_ratio,
+                "fill_fraction": self.knot_fill,
+                "curvature_per_mm": curvature,
+                "fitted_curvature_per_mm": self.groove.fitted_curvature(curvature),
+            }
+            described["table"] = [
+                {name: float(values[i]) for name, values in columns.items()}
+                for i in range(len(curvature))
+            ]
+        return described | {
+            "aperture_ratio_max": self.aperture_ratio_max,
+            "fill_fraction_max": self.fill_fraction_max,
+            "curvature_min_per_mm": self.curvature_min,
+            "source": self.source,
+            "caveats": list(self.caveats),
+        }
+
+
+def groove_ranges(index: ArrayLike, most: int = 6) -> str:
+    """Return groove numbers (increasing) as text: `grooves 12-40, 600-612`."""
+    index = np.asarray(index, int)
+    cut = np.flatnonzero(np.diff(index) > 1) + 1
+    runs = np.split(index, cut)
+    names = [f"{r[0]}" if len(r) == 1 else f"{r[0]}-{r[-1]}" for r in runs[:most]]
+    if len(runs) > most:
+        names.append(f"… ({len(index)} in all)")
+    return ("groove " if len(index) == 1 else "grooves ") + ", ".join(names)
+
+
+def check_printable(process: Process, curvature: ArrayLike, where: str) -> None:
+    """Refuse curvatures [1/mm], one a groove, that the process cannot reach.
+
+    Raises
+    ------
+    InputError
+        that begins with `where` and names the grooves, counted from 0.
+    """
+    curvature = np.atleast_1d(np.asarray(curvature, float))
+    fill = process.groove.fill_fraction(curvature)
+    bad = np.flatnonzero(
+        ~(fill <= process.fill_fraction_max * (1 + 1e-12))
+        | ~(curvature <= process.groove.curvature_empty * (1 + 1e-12))
+    )
+    if bad.size:
+        raise InputError(
+            f"{where}: {groove_ranges(bad)}: curvature_per_mm "
+            f"{curvature[bad].min():.4g} … {curvature[bad].max():.4g}: allowed "
+            f"{process.curvature_min:.4g} … {process.groove.curvature_empty:.4g}, "
+            f"what the process reaches (fill 0 … {process.fill_fraction_max:.4g} with aperture "
+            f"ratios 0 … {process.aperture_ratio_max:.4g})"
+        )
+
+
+def check_aperture_ratio(process: Process, aperture_ratio: ArrayLike, where: str) -> None:
+    """Refuse aperture ratios outside what the process is calibrated for.
+
+    Raises
+    ------
+    InputError
+        that begins with `where`.
+    """
+    ratio = np.atleast_1d(np.asarray(aperture_ratio, float))
+    top = process.aperture_ratio_max
+    bad = ratio[~((ratio >= 0) & (ratio <= top * (1 + 1e-12)))]
+    if bad.size:
+        raise InputError(
+            f"{where}: aperture_ratio {bad[0]:g}: allowed 0 … {top:.4g} (there the groove's fill "
+            f"is {process.fill_fraction_max:.4g})"
+        )

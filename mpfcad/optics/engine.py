@@ -1,0 +1,243 @@
+"""The path tracer: follows paths through a scene's elements, in blocks, on as many threads as wanted.
+
+One path starts at a `Source`, goes from element to element, scores the radiance it meets and ends when it
+leaves the scene or the roulette ends it. A path's random numbers depend on (seed, stream, path) only,
+blocks have a fixed size, and their sums are added in their order: the tallies are the same bits at any
+thread count.
+"""
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit, uint64
+from numpy.typing import NDArray
+
+from mpfcad.optics.cavity import (
+    LAMP,
+    OPENING,
+    REFLECTOR,
+    cavity_hit,
+    lambertian,
+    reflector_direction,
+)
+from mpfcad.optics.film import film_passage
+from mpfcad.optics.recorder import FLOWS, Tally
+from mpfcad.optics.sampling import RNG_SIZE, disk, start_path, uniform
+from mpfcad.optics.scene import Scene
+from mpfcad.optics.sheet import sheet_passage
+from mpfcad.optics.slab import slab_passage
+
+_CAVITY, _SLAB, _SHEET = range(3)
+EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
+_UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _ELEMENTS = range(6)
+_ROULETTE_BELOW = 0.1
+_MOST_ELEMENTS = 1_000_000
+
+#: Paths of one point in one block.
+BLOCK = 512
+
+
+class Source(NamedTuple):
+    """Where paths start.
+
+    Attributes
+    ----------
+    kind
+        `EYE`: over the scene, looking down (a luminance meter, traced backward);
+        `LAMBERTIAN_BELOW`: under it, Lambertian upward; `LAMPS`: on the lamps' surface, Lambertian
+    position
+        (p,) float64 [mm], x of the measured points; paths are shared out equally
+    spot
+        width [mm] across over which a point is averaged
+    tilt_x, tilt_y
+        direction cosines of the meter's axis (0, 0: normal)
+    acceptance
+        sine of the half angle of the meter's acceptance cone
+    """
+
+    kind: int
+    position: NDArray[np.float64]
+    spot: float
+    tilt_x: float = 0.0
+    tilt_y: float = 0.0
+    acceptance: float = 0.0
+
+
+@njit
+def _start(scene, source, point, rng):
+    """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
+    x = source.position[point] + (uniform(rng) - 0.5) * source.spot
+    y = uniform(rng) * scene.tile.length
+    last = len(scene.kind) - 1
+    px, py = disk(rng)
+    if source.kind == EYE:
+        dx = source.tilt_x + source.acceptance * px
+        dy = source.tilt_y + source.acceptance * py
+        return last, False, x, y, 0.0, dx, dy, -math.sqrt(1.0 - dx * dx - dy * dy), -1
+    dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
+    if source.kind == LAMBERTIAN_BELOW:
+        return 0, True, x, y, 0.0, px, py, dz, -1
+    # On the tube of the lamp nearest to x = position: a cosine about the outward normal.
+    angle = 2.0 * math.pi * uniform(rng)
+    cavity = scene.parameter[0]
+    nx, nz = math.cos(angle), math.sin(angle)
+    dx, dy, dz = lambertian(nx, 0.0, nz, rng)
+    z = cavity[3] + cavity[4] * nz
+    return 0, True, cavity[2] + cavity[4] * nx, y, z, dx, dy, dz, 0
+
+
+@njit
+def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+    """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
+    radiance = 0.0
+    for _ in range(_MOST_ELEMENTS):
+        what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
+        if what == OPENING:
+            return x, y, dx, dy, dz, weight, radiance
+        if what == LAMP:
+            radiance += weight * parameter[5]
+            flow[_LAMPS] += weight * (1.0 - parameter[6])
+            weight *= parameter[6]
+            lamp = number
+            nx = (x - centre) / parameter[4]
+            nz = (z - parameter[3]) / parameter[4]
+            dx, dy, dz = lambertian(nx, 0.0, nz, rng)
+        elif what == REFLECTOR:
+            flow[_ELEMENTS] += weight * (1.0 - parameter[7])
+            weight *= parameter[7]
+            lamp = -1
+            dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+        else:
+            break
+        weight = _roulette(weight, flow, rng)
+        if weight == 0.0:
+            return x, y, dx, dy, dz, weight, radiance
+    flow[_LOST] += weight
+    return x, y, dx, dy, dz, 0.0, radiance
+
+
+@njit
+def _roulette(weight, flow, rng):
+    """End a faint path half of the time, and double it otherwise; `flow` keeps the difference."""
+    if weight >= _ROULETTE_BELOW or weight == 0.0:
+        return weight
+    if uniform(rng) < 0.5:
+        flow[_ROULETTE] += weight
+        return 0.0
+    flow[_ROULETTE] -= weight
+    return 2.0 * weight
+
+
+@njit
+def trace_path(scene, source, point, flow, rng):
+    """Follow one path and return the radiance it collects; `flow` receives where its weight went."""
+    e, up, x, y, z, dx, dy, dz, lamp = _start(scene, source, point, rng)
+    weight = 1.0
+    radiance = 0.0
+    count = len(scene.kind)
+    for _ in range(_MOST_ELEMENTS):
+        if e < 0:
+            flow[_DOWN] += weight
+            return radiance + weight * scene.below
+        if e == count:
+            flow[_UP] += weight
+            return radiance + weight * scene.above
+        kind = scene.kind[e]
+        parameter = scene.parameter[e]
+        way = 1
+        before = weight
+        if kind == _CAVITY:
+            if lamp < 0:
+                z = parameter[0]
+            x, y, dx, dy, dz, weight, found = _cavity(
+                parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+            )
+            lamp = -1
+            radiance += found
+            before = weight
+        elif kind == _SLAB:
+            way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
+            weight *= survival
+        elif kind == _SHEET:
+            passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
+            weight *= parameter[2]
+            way = 1 if passed == up else -1
+        else:
+            way, x, y, dx, dy, dz = film_passage(
+                scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+            )
+        flow[_ELEMENTS + e] += before - weight
+        if way == 0:
+            flow[_LOST] += weight
+            return radiance
+        weight = _roulette(weight, flow, rng)
+        if weight == 0.0:
+            return radiance
+        up = way > 0
+        e += way
+    flow[_LOST] += weight
+    return radiance
+
+
+@njit(nogil=True, cache=True)
+def trace_block(scene, source, seed, stream, block, score, score2, flow, flow2):
+    """Trace one block, `BLOCK` paths a point, and add to its sums.
+
+    score, score2: (p,) radiance and its square; flow, flow2: (f,) the same of the weights' ends.
+    """
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    once = np.zeros(len(flow))
+    points = len(source.position)
+    for i in range(BLOCK):
+        for point in range(points):
+            start_path(rng, seed, stream, uint64((block * BLOCK + i) * points + point))
+            once[:] = 0.0
+            radiance = trace_path(scene, source, point, once, rng)
+            score[point] += radiance
+            score2[point] += radiance * radiance
+            for f in range(len(once)):
+                flow[f] += once[f]
+                flow2[f] += once[f] * once[f]
+
+
+def trace(
+    scene: Scene,
+    source: Source,
+    blocks: int,
+    *,
+    seed: int = 1,
+    first: int = 0,
+    threads: int = 1,
+    after_block: Callable[[], None] | None = None,
+) -> Tally:
+    """Return the tally of `blocks` blocks of paths from block `first` on.
+
+    The same blocks give the same bits at any number of threads. `after_block` is called as each
+    block comes in.
+    """
+    points = len(source.position)
+    flows = len(FLOWS) + len(scene.kind)
+
+    def one(block: int) -> Tally:
+        tally = Tally.empty(points, flows)
+        trace_block(
+            scene, source, np.uint64(seed), np.uint64(source.kind), np.int64(block),
+            tally.score, tally.score2, tally.flow, tally.flow2,
+        )  # fmt: skip
+        return tally._replace(paths=BLOCK)
+
+    total = Tally.empty(points, flows)
+    with ThreadPoolExecutor(threads) as pool:
+        jobs = [pool.submit(one, block) for block in range(first, first + blocks)]
+        try:
+            for job in jobs:
+                total = total + job.result()
+                if after_block:
+                    after_block()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return total

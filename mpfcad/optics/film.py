@@ -1,0 +1,102 @@
+"""A ray's passage through a film: Fresnel or total reflection at every facet it meets."""
+
+import math
+
+from numba import njit
+
+from mpfcad.optics.bvh import bvh_hit
+from mpfcad.optics.chain import chain_hit
+from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.sampling import uniform
+
+_CHAIN = 0
+_MOST_HITS = 100_000
+
+
+@njit
+def film_passage(tile, index, index_below, offset, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
+
+    `up`: it comes from below, in a medium of `index_below`; else from the air above. `way` is 1 when
+    it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+    """
+    base_x = math.floor((x - offset) / tile.width) * tile.width + offset
+    base_y = math.floor(y / tile.length) * tile.length
+    x = min(max(x - base_x, 0.0), tile.width)
+    y = min(max(y - base_y, 0.0), tile.length)
+    z = tile.high
+    inside = False
+    k = -1
+    if up:
+        entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
+        if not entered:
+            return -1, x + base_x, y + base_y, dx, dy, dz
+        inside = True
+        z = 0.0
+    for _ in range(_MOST_HITS):
+        if tile.accelerator == _CHAIN:
+            # A chain repeats along y without end, so y needs no tile of its own.
+            k, distance, hit_x, hit_z, shift = chain_hit(
+                tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside
+            )
+            base_x += shift
+            nx, ny, nz = tile.chain.normal_x[k], 0.0, tile.chain.normal_z[k]
+            if k >= 0:
+                x, y, z = hit_x, y + distance * dy, hit_z
+            else:
+                x, z = hit_x, hit_z
+        else:
+            k, x, y, z, shift, shift_y = bvh_hit(
+                tile.bvh, (tile.width, tile.length), tile.low, tile.high,
+                x, y, z, dx, dy, dz, inside,
+            )  # fmt: skip
+            base_x += shift
+            base_y += shift_y
+            nx, ny, nz = tile.bvh.normal[k, 0], tile.bvh.normal[k, 1], tile.bvh.normal[k, 2]
+        if k == -2:
+            return 0, x + base_x, y + base_y, dx, dy, dz
+        if k >= 0:
+            inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+            continue
+        if not inside:
+            flight = max(0.0, (tile.high - z) / dz)
+            return 1, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
+        flight = z / -dz
+        x += flight * dx
+        y += flight * dy
+        z = 0.0
+        turn = math.floor(x / tile.width) * tile.width
+        x = min(max(x - turn, 0.0), tile.width)
+        base_x += turn
+        left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
+        if left:
+            return -1, x + base_x, y + base_y, dx, dy, dz
+    return 0, x + base_x, y + base_y, dx, dy, dz
+
+
+@njit
+def _underside(index_in, index_out, dx, dy, dz, rng):
+    """Pass or reflect a ray at the flat underside: (passed, dx, dy, dz)."""
+    ratio = index_in / index_out
+    reflectance, cos_out = fresnel(abs(dz), ratio)
+    if uniform(rng) < reflectance:
+        return False, dx, dy, -dz
+    return True, ratio * dx, ratio * dy, math.copysign(cos_out, dz)
+
+
+@njit
+def _facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
+    """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
+    approach = dx * nx + dy * ny + dz * nz
+    cos_in = min(1.0, abs(approach))
+    ratio = index if inside else 1.0 / index
+    reflectance, cos_out = fresnel(cos_in, ratio)
+    if uniform(rng) < reflectance:
+        return (
+            inside,
+            dx - 2.0 * approach * nx,
+            dy - 2.0 * approach * ny,
+            dz - 2.0 * approach * nz,
+        )
+    bend = math.copysign(cos_out, approach) - ratio * approach
+    return not inside, ratio * dx + bend * nx, ratio * dy + bend * ny, ratio * dz + bend * nz

@@ -1,0 +1,114 @@
+"""Counter-based random numbers and the directions drawn with them.
+
+Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11) keyed by the seed
+and counted by (draw, stream, path): a path's numbers depend on nothing else, so results are the same at
+any thread count and block size.
+
+A generator is an (8,) uint64 array `rng`: low and high word of the seed, low and high word of the path,
+the stream, the next block of draws, the second number of the last block, and whether that is unused.
+"""
+
+import math
+
+import numpy as np
+from numba import njit, uint64
+
+_M0 = np.uint64(0xD2511F53)
+_M1 = np.uint64(0xCD9E8D57)
+_W0 = np.uint64(0x9E3779B9)
+_W1 = np.uint64(0xBB67AE85)
+_LOW = np.uint64(0xFFFFFFFF)
+_32 = np.uint64(32)
+_11 = np.uint64(11)
+_TO_UNIT = 2.0**-53
+
+_KEY0, _KEY1, _PATH0, _PATH1, _STREAM, _BLOCK, _SPARE, _HAS_SPARE = range(8)
+RNG_SIZE = 8
+
+
+@njit
+def philox4x32(c0, c1, c2, c3, k0, k1):
+    """Return the four 32-bit words (in uint64) of Philox4x32-10 at a counter and a key."""
+    for _ in range(10):
+        p0 = _M0 * c0
+        p1 = _M1 * c2
+        c0 = (p1 >> _32) ^ c1 ^ k0
+        c1 = p1 & _LOW
+        c2 = (p0 >> _32) ^ c3 ^ k1
+        c3 = p0 & _LOW
+        k0 = (k0 + _W0) & _LOW
+        k1 = (k1 + _W1) & _LOW
+    return c0, c1, c2, c3
+
+
+@njit
+def start_path(rng, seed, stream, path):
+    """Set `rng` to the first draw of a path: (8,) uint64; seed, stream, path uint64."""
+    rng[_KEY0] = seed & _LOW
+    rng[_KEY1] = seed >> _32
+    rng[_PATH0] = path & _LOW
+    rng[_PATH1] = path >> _32
+    rng[_STREAM] = stream
+    rng[_BLOCK] = uint64(0)
+    rng[_HAS_SPARE] = uint64(0)
+
+
+@njit
+def uniform(rng):
+    """Return the path's next number, uniform in [0, 1) with 53 bits."""
+    if rng[_HAS_SPARE] != 0:
+        rng[_HAS_SPARE] = uint64(0)
+        return (rng[_SPARE] >> _11) * _TO_UNIT
+    a, b, c, d = philox4x32(
+        rng[_BLOCK], rng[_STREAM], rng[_PATH0], rng[_PATH1], rng[_KEY0], rng[_KEY1]
+    )
+    rng[_BLOCK] += uint64(1)
+    rng[_SPARE] = (c << _32) | d
+    rng[_HAS_SPARE] = uint64(1)
+    return (((a << _32) | b) >> _11) * _TO_UNIT
+
+
+@njit
+def gaussian_pair(rng):
+    """Return two independent standard normal numbers (Box and Muller, 1958)."""
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(rng)))
+    angle = 2.0 * math.pi * uniform(rng)
+    return radius * math.cos(angle), radius * math.sin(angle)
+
+
+@njit
+def disk(rng):
+    """Return a point uniform in the unit disk: the (kx, ky) of a Lambertian direction."""
+    radius = math.sqrt(uniform(rng))
+    angle = 2.0 * math.pi * uniform(rng)
+    return radius * math.cos(angle), radius * math.sin(angle)
+
+
+@njit
+def henyey_greenstein_cosine(g, u):
+    """Return the scattering cosine drawn by u in [0, 1) (Henyey and Greenstein, 1941).
+
+    cos = (1 + g² - ((1-g²)/(1-g+2gu))²)/(2g); isotropic 2u-1 as g goes to 0. Its mean is g.
+    """
+    if abs(g) < 1e-6:
+        return 2.0 * u - 1.0
+    ratio = (1.0 - g * g) / (1.0 - g + 2.0 * g * u)
+    return min(1.0, max(-1.0, (1.0 + g * g - ratio * ratio) / (2.0 * g)))
+
+
+@njit
+def turn(dx, dy, dz, cosine, azimuth):
+    """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz).
+
+    Frame without branches on the direction (Duff et al., JCGT 6, 2017).
+    """
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    p, q = sine * math.cos(azimuth), sine * math.sin(azimuth)
+    sign = math.copysign(1.0, dz)
+    a = -1.0 / (sign + dz)
+    b = dx * dy * a
+    x = p * (1.0 + sign * dx * dx * a) + q * b + cosine * dx
+    y = p * sign * b + q * (sign + dy * dy * a) + cosine * dy
+    z = -p * sign * dx - q * dy + cosine * dz
+    norm = 1.0 / math.sqrt(x * x + y * y + z * z)
+    return x * norm, y * norm, z * norm

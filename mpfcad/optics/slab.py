@@ -1,0 +1,59 @@
+"""A ray's passage through a plate: Fresnel at its faces, scattering and absorption in its volume."""
+
+import math
+
+from numba import njit
+
+from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.sampling import henyey_greenstein_cosine, turn, uniform
+
+_MOST_STEPS = 1_000_000
+
+
+@njit
+def slab_passage(parameter, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
+
+    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its weight
+    that the volume has not absorbed, exp(-absorption · path). Free paths between scatterings are
+    exponential of mean 1/scattering.
+    """
+    index, thickness, scattering, absorption, asymmetry = (
+        parameter[0], parameter[1], parameter[2], parameter[3], parameter[4],
+    )  # fmt: skip
+    bonded = parameter[5] != 0.0
+    travelled = 0.0
+    z = 0.0 if up else thickness
+    if up or not bonded:
+        reflectance, cos_out = fresnel(abs(dz), 1.0 / index)
+        if uniform(rng) < reflectance:
+            return (-1 if up else 1), x, y, dx, dy, -dz, 1.0
+        dx, dy, dz = dx / index, dy / index, math.copysign(cos_out, dz)
+    for _ in range(_MOST_STEPS):
+        to_face = math.inf
+        if dz != 0.0:
+            to_face = ((thickness if dz > 0.0 else 0.0) - z) / dz
+        free = math.inf
+        if scattering > 0.0:
+            free = -math.log(1.0 - uniform(rng)) / scattering
+        step = min(free, to_face)
+        travelled += step
+        x += step * dx
+        y += step * dy
+        if free < to_face:
+            z += step * dz
+            cosine = henyey_greenstein_cosine(asymmetry, uniform(rng))
+            dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+            continue
+        top = dz > 0.0
+        z = thickness if top else 0.0
+        if top and bonded:
+            return 1, x, y, dx, dy, dz, math.exp(-absorption * travelled)
+        reflectance, cos_out = fresnel(abs(dz), index)
+        if uniform(rng) < reflectance:
+            dz = -dz
+            continue
+        survival = math.exp(-absorption * travelled)
+        way = 1 if top else -1
+        return way, x, y, dx * index, dy * index, math.copysign(cos_out, dz), survival
+    return 0, x, y, dx, dy, dz, 1.0
