@@ -8,14 +8,17 @@ from mpfcad.optics.sampling import disk, turn, uniform
 
 LAMP, REFLECTOR, OPENING, LOST = range(4)
 
+#: The lamp number of a ray that starts on no lamp (every whole number near 0 is one).
+NO_LAMP = -(2**40)
+
 
 @njit
 def lamp_hit(x, z, dx, dz, pitch, position, height, radius, own):
-    """Return (distance, centre x) of the first lamp a ray meets, or (inf, 0).
+    """Return (distance, centre x, number) of the first lamp a ray meets, or (inf, 0, 0).
 
     Lamps are cylinders along y of `radius`, axes at z = `height`, x = `position` + i·`pitch`. `own` is
-    the number i of the lamp that the ray starts on, which as a convex body it cannot meet again.
-    Works in the plane across: distances are in units of the full ray by the caller's dx, dz.
+    the number i of the lamp that the ray starts on, which as a convex body it cannot meet again, or
+    `NO_LAMP`. (x, z) and (dx, dz) are the ray's components across.
     """
     along = dx * dx + dz * dz
     if along == 0.0:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.cavity import (
     LAMP,
+    NO_LAMP,
     OPENING,
     REFLECTOR,
     cavity_hit,
@@ -76,10 +77,10 @@ def _start(scene, source, point, rng):
     if source.kind == EYE:
         dx = source.tilt_x + source.acceptance * px
         dy = source.tilt_y + source.acceptance * py
-        return last, False, x, y, 0.0, dx, dy, -math.sqrt(1.0 - dx * dx - dy * dy), -1
+        return last, False, x, y, 0.0, dx, dy, -math.sqrt(1.0 - dx * dx - dy * dy), NO_LAMP
     dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
     if source.kind == LAMBERTIAN_BELOW:
-        return 0, True, x, y, 0.0, px, py, dz, -1
+        return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
     # On the tube of the lamp nearest to x = position: a cosine about the outward normal.
     angle = 2.0 * math.pi * uniform(rng)
     cavity = scene.parameter[0]
@@ -108,7 +109,7 @@ def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         elif what == REFLECTOR:
             flow[_ELEMENTS] += weight * (1.0 - parameter[7])
             weight *= parameter[7]
-            lamp = -1
+            lamp = NO_LAMP
             dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
         else:
             break
@@ -150,12 +151,12 @@ def trace_path(scene, source, point, flow, rng):
         way = 1
         before = weight
         if kind == _CAVITY:
-            if lamp < 0:
+            if lamp == NO_LAMP:
                 z = parameter[0]
             x, y, dx, dy, dz, weight, found = _cavity(
                 parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
             )
-            lamp = -1
+            lamp = NO_LAMP
             radiance += found
             before = weight
         elif kind == _SLAB:
