@@ -1,0 +1,10 @@
+"""The backlight around the film: lamps, reflector, plate, sheets, and the slot for the film.
+
+A `Stack` is a list of layers from the lamps up and a table of numbers, each tagged `given`, `sourced` or
+`assumed`. Presets live as TOML files in `preset/`; `read_stack` reads them and the user's own.
+"""
+
+from mpfcad.backlight.reader import list_stacks, read_stack
+from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
+
+__all__ = ["LAYERS", "RANGES", "Quantity", "Stack", "list_stacks", "read_stack"]
