@@ -1,0 +1,47 @@
+"""Write the film as a binary STL file in mm."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mpfcad.cad.mesh import Mesh, build_mesh
+from mpfcad.film import PrismFilm
+
+#: One facet of a binary STL file, 50 bytes.
+FACET = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def write_stl(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str = "film") -> None:
+    """Write the film, prism and resin as one body, with facets within `angle_tolerance` [rad].
+
+    The 80-byte header names the film and the unit. Same film, same bytes.
+
+    Raises
+    ------
+    InputError
+        when the film cannot be drawn, or float32 cannot hold so fine a mesh.
+    """
+    path = Path(path)
+    facets = _facets(build_mesh(film, angle_tolerance))
+    label = name.encode("ascii", "replace")[:40].decode()
+    header = f"mpfcad binary STL, unit mm, {label}".encode().ljust(80)
+    part = path.with_name("." + path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            file.write(header)
+            file.write(np.uint32(len(facets)).astype("<u4").tobytes())
+            facets.tofile(file)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _facets(mesh: Mesh) -> np.ndarray:
+    """Return the mesh as (t,) facets, normals taken from the rounded corners."""
+    facets = np.zeros(len(mesh.triangles), FACET)
+    facets["corner"] = mesh.vertices[mesh.triangles]
+    corner = facets["corner"].astype(np.float64)
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    # "+ 0.0" turns -0 into 0.
+    facets["normal"] = normal / np.linalg.norm(normal, axis=1, keepdims=True) + 0.0
+    return facets

@@ -1,0 +1,262 @@
+"""Read an STL file back with trimesh and manifold3d, and compare it with the film it should be."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad.mesh import mesh_contact
+from mpfcad.errors import ExportError
+from mpfcad.film import PrismFilm
+from mpfcad.units import deg
+
+#: Largest relative error of the volume.
+VOLUME_TOLERANCE = 1e-4
+#: Largest rms angle [rad] between facets and surface, where float32 does not forbid it.
+NORMAL_RMS_TOLERANCE = 0.01 * deg
+#: Largest error [1/mm] of a curvature recovered from the facets, besides the stretch by rounding.
+CURVATURE_TOLERANCE = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class MeshCheck:
+    """What an STL file was found to hold.
+
+    Attributes
+    ----------
+    watertight
+        every edge is shared by exactly two facets of opposite sense, and they bound one body
+    volume_error
+        relative error of the enclosed volume
+    normal_error_rms
+        rms angle [rad] between a facet and the film's surface at the facet's middle, where the
+        tangent of a parabola is parallel to its chord: the error of rounding alone
+    normal_error_max
+        largest angle [rad] between a facet and the film's surface at the facet's two ends
+    height_error_max
+        largest distance [mm] in z between a corner and the film's surface at its x
+    triangle_count
+        number of facets
+    curvature
+        (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls
+    """
+
+    watertight: bool
+    volume_error: float
+    normal_error_rms: float
+    normal_error_max: float
+    height_error_max: float
+    triangle_count: int
+    curvature: NDArray[np.float64]
+
+
+def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
+    """Return what the STL file at `path` holds, once it is found to be `film`.
+
+    Raises
+    ------
+    ExportError
+        when the file is not one closed body, or is off in volume, extent, height, facet normals
+        (by more than `angle_tolerance` [rad]) or curvature.
+    """
+    path = Path(path)
+    corner, normal = _read(path)
+    volume = _check_closed(path, corner, normal)
+    volume_error = volume / film.volume - 1
+    _limit(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
+    top = corner[_is_top(path, corner, film)]
+    facets = _Facets(film, top)
+
+    error = facets.middle_error()
+    rms = float(np.sqrt(np.mean(error**2)))
+    _limit(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
+    largest = facets.end_error()
+    _limit(path, "normal error [rad]", largest, angle_tolerance)
+    height = facets.height_error()
+    _limit(path, "height error [mm]", height, facets.height_tolerance())
+    curvature = facets.curvature()
+    drawn = np.where(facets.contact > 0, film.curvature, film.groove.curvature_empty)
+    stretch = np.spacing(np.float32(film.width)) / film.groove.half_width
+    off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
+    _limit(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
+    return MeshCheck(True, float(volume_error), rms, largest, height, len(corner), curvature)
+
+
+def _limit(path: Path, what: str, value: float, limit: float) -> None:
+    # Written so that NaN fails.
+    if not value <= limit:
+        raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
+
+
+def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the corners (t, 3, 3) and the stored normals (t, 3) of the facets."""
+    from trimesh.exchange.stl import load_stl_binary
+
+    try:
+        with path.open("rb") as file:
+            read = load_stl_binary(file)
+    except Exception as error:
+        raise ExportError(f"{path.name}: not a binary STL file: {error}") from error
+    corner = np.asarray(read["vertices"], np.float64)[np.asarray(read["faces"])]
+    if len(corner) == 0 or not np.isfinite(corner).all():
+        raise ExportError(f"{path.name}: no facets, or coordinates that are not finite")
+    return corner, np.asarray(read["face_normals"], np.float64)
+
+
+def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
+    """Return the volume [mm³], once the facets bound one closed body and face outward."""
+    import manifold3d
+    import trimesh
+
+    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    size = np.linalg.norm(area, axis=1)
+    if not np.all(size > 0):
+        raise ExportError(f"{path.name}: facet {int(np.argmin(size))} has no area")
+    misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
+    _limit(path, "stored normal against the corners", float(misfit.max()), 1e-5)
+
+    points, faces = _join(corner)
+    mesh = trimesh.Trimesh(points, faces, process=False)
+    if not (mesh.is_watertight and mesh.is_winding_consistent):
+        raise ExportError(f"{path.name}: not one closed surface: some edges have no pair")
+    if mesh.volume <= 0:
+        raise ExportError(f"{path.name}: the facets face inward")
+    body = manifold3d.Manifold(
+        manifold3d.Mesh64(np.ascontiguousarray(points), faces.astype(np.uint64))
+    )
+    if body.status() != manifold3d.Error.NoError or body.genus() != 0:
+        raise ExportError(f"{path.name}: not one simple solid: {body.status()}")
+    if len(body.decompose()) != 1:
+        raise ExportError(f"{path.name}: more than one body")
+    _limit(path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6)
+    return float(mesh.volume)
+
+
+def _join(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the distinct corners (v, 3) and the facets (t, 3) as indices of them.
+
+    Only corners of the same bits are one; the three float32 are packed, two at a time, into keys.
+    """
+    points = np.ascontiguousarray(corner.reshape(-1, 3))
+    bits = (points + 0.0).astype(np.float32).view(np.uint32).astype(np.uint64)
+    half = np.uint64(32)
+    _, key = np.unique(bits[:, 0] << half | bits[:, 2], return_inverse=True)
+    key = key.astype(np.uint64) << half | bits[:, 1]
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    return points[first], index.reshape(-1, 3)
+
+
+def _is_top(path: Path, corner: NDArray, film: PrismFilm) -> NDArray[np.bool_]:
+    """Return which facets are the film's top; the others must lie in its five flat sides."""
+    low = corner.min(axis=(0, 1))
+    high = corner.max(axis=(0, 1))
+    size = np.array([film.width, film.length, film.thickness], np.float32).astype(float)
+    off = max(np.abs(low).max(), np.abs(high - size).max())
+    _limit(path, "extent error [mm]", float(off), 0.0)
+    side = np.zeros(len(corner), bool)
+    for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
+        side |= np.all(corner[:, :, axis] == level, axis=1)
+    return ~side
+
+
+class _Facets:
+    """The top facets of a film, each as the straight piece it draws across the film."""
+
+    def __init__(self, film: PrismFilm, top: NDArray[np.float64]) -> None:
+        self.film = film
+        self.corner = top
+        area = np.cross(top[:, 1] - top[:, 0], top[:, 2] - top[:, 0])
+        # The angle to the vertical in the x-z plane, and any lean along y on top of it.
+        self.angle = np.arctan2(-area[:, 0], area[:, 2])
+        self.lean = np.abs(area[:, 1]) / np.linalg.norm(area, axis=1)
+        self.left = top[:, :, 0].min(axis=1)
+        self.right = top[:, :, 0].max(axis=1)
+        middle = (self.left + self.right) / 2
+        last = film.groove_count - 1
+        self.groove = np.clip((middle / film.groove.pitch).astype(int), 0, last)
+        self.middle = middle - film.groove_position[self.groove]
+        self.contact = mesh_contact(film)
+        self.step = 2 * float(np.spacing(np.float32(film.width)))
+
+    def _angle_at(self, local: NDArray, wall: NDArray) -> NDArray:
+        """Return the surface's angle [rad] at `local` [mm], on the wall or on the parabola."""
+        slope = np.where(
+            wall,
+            self.film.groove.wall_slope * np.sign(local),
+            self.film.curvature[self.groove] * local,
+        )
+        return np.arctan(slope)
+
+    def middle_error(self) -> NDArray[np.float64]:
+        """Return the angle [rad] between each facet and the surface at its middle."""
+        wall = np.abs(self.middle) > self.contact[self.groove]
+        return np.hypot(self.angle - self._angle_at(self.middle, wall), self.lean)
+
+    def end_error(self) -> float:
+        """Return the largest angle [rad] between a facet and the surface at its ends."""
+        contact = self.contact[self.groove]
+        worst = 0.0
+        for x in (self.left, self.right):
+            local = x - self.film.groove_position[self.groove]
+            # An end within two float32 steps of a kink belongs to the facet's own side of it.
+            at_kink = np.abs(np.abs(local) - contact) <= self.step
+            wall = np.where(at_kink, np.abs(self.middle), np.abs(local)) > contact
+            local = np.where(np.abs(local) <= self.step, self.middle * 1e-9, local)
+            error = np.hypot(self.angle - self._angle_at(local, wall), self.lean)
+            worst = max(worst, float(error.max()))
+        return worst
+
+    def rounding(self) -> float:
+        """Return the angle [rad] by which float32 may turn a facet.
+
+        Half a step in x at both ends of half a groove, and one in z over a facet.
+        """
+        turn = np.spacing(np.float32(self.film.width)) / self.film.groove.half_width
+        rise = np.spacing(np.float32(self.film.thickness)) / np.median(self.right - self.left)
+        return float(np.hypot(turn, rise))
+
+    def _local(self) -> NDArray[np.float64]:
+        """Return the corners' x [mm] from the centre of the groove, (t, 3)."""
+        return self.corner[:, :, 0] - self.film.groove_position[self.groove][:, None]
+
+    def height_error(self) -> float:
+        """Return the largest distance [mm] in z between a corner and the surface."""
+        film = self.film
+        local = self._local()
+        drop = (film.groove.half_width - local) * (film.groove.half_width + local)
+        surface = film.thickness - film.curvature[self.groove][:, None] / 2 * drop
+        wall = film.base + film.groove.wall_slope * np.abs(local)
+        contact = self.contact[self.groove][:, None]
+        surface = np.where((np.abs(local) > contact) | (contact == 0), wall, surface)
+        return float(np.abs(self.corner[:, :, 2] - surface).max())
+
+    def height_tolerance(self) -> float:
+        """Return the distance [mm] in z that float32 forces: half a step in x at the tips."""
+        steepest = max(
+            self.film.groove.wall_slope,
+            float((self.film.curvature * self.contact).max()),
+        )
+        return steepest * self.step / 2 + 2 * float(np.spacing(np.float32(self.film.thickness)))
+
+    def curvature(self) -> NDArray[np.float64]:
+        """Return C [1/mm] of each groove by least squares over the corners above its walls.
+
+        On the parabola, top - z = C/2 (w² - x²). A groove without such corners counts as empty.
+        """
+        film = self.film
+        local = self._local()
+        z = self.corner[:, :, 2]
+        room = (film.groove.half_width - local) * (film.groove.half_width + local)
+        if film.profile == "ideal":
+            used = room > 0.01 * film.groove.half_width**2
+        else:
+            above = z - film.base - film.groove.wall_slope * np.abs(local)
+            used = above > self.height_tolerance() * 2
+        room = np.where(used, room, 0.0)
+        groove = np.broadcast_to(self.groove[:, None], room.shape).ravel()
+        count = film.groove_count
+        drop = np.bincount(groove, ((film.thickness - z) * room).ravel(), count)
+        square = np.bincount(groove, (room**2).ravel(), count)
+        empty = np.full(count, film.groove.curvature_empty)
+        return np.divide(2 * drop, square, out=empty, where=square > 0)

@@ -1,0 +1,159 @@
+"""STEP files: written, read back, and refused when they are another film's."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from mpfcad.cad import check_step, write_step
+from mpfcad.errors import ExportError, InputError
+
+
+@pytest.mark.parametrize(
+    ("curvature", "profile"),
+    [(c, "filled") for c in (0, 1e-4, 15, 40, 40.0001, 45, 57, 60, 79.96, 79.99, 80)]
+    + [(c, "ideal") for c in (0, 40.0001, 60, 79.99, 81, 100)],
+)
+def test_written_films_read_back(make_film, tmp_path, curvature, profile):
+    film = make_film(curvature, profile)
+    path = tmp_path / "film.step"
+    write_step(film, path)
+    check = check_step(path, film)
+    assert check.valid
+    assert check.unit == "mm"
+    assert check.volume_error < 1e-7
+    assert check.bodies["BEF"] == pytest.approx(film.prism_volume, rel=1e-7)
+    assert sum(check.bodies.values()) == pytest.approx(film.volume, rel=1e-7)
+    assert set(check.bodies) == ({"BEF", "fill"} if curvature < 79.97 else {"BEF"})
+    np.testing.assert_allclose(check.low, 0, atol=1e-9)
+    np.testing.assert_allclose(check.high, [film.width, film.length, film.thickness], atol=1e-9)
+
+
+def test_blocks_pieces_and_mixed_grooves(make_film, tmp_path):
+    """More grooves than one cap face takes, with empty, covered and partly filled ones."""
+    film = make_film(np.tile([60.0, 80.0, 20.0, 79.99, 0.0, 40.0, 55.5], 5))
+    path = tmp_path / "film.step"
+    write_step(film, path)
+    assert check_step(path, film).solid_count == {"BEF": 1, "fill": 25}
+
+
+def test_header_names_and_colours(make_film, tmp_path):
+    film = make_film([60.0, 30.0])
+    path = tmp_path / "film.step"
+    write_step(film, path, name="patterned-16mm")
+    text = path.read_text()
+    assert "SI_UNIT(.MILLI.,.METRE.)" in text
+    assert "AUTOMOTIVE_DESIGN" in text
+    assert re.findall(r"= PRODUCT\('([^']*)'", text) == ["patterned-16mm", "BEF", "fill"]
+    assert text.count("= COLOUR_RGB(") == 2
+    assert text.count("= STYLED_ITEM(") == 3
+    assert str(tmp_path) not in text
+    assert "B_SPLINE" not in text
+    assert "POLYLINE" not in text
+
+
+def test_same_film_same_bytes_in_one_process_and_in_another(make_film, tmp_path):
+    film = make_film([60.0, 30.0, 80.0])
+    for name in ("a.step", "b.step"):
+        write_step(film, tmp_path / name, name="twin")
+    code = (
+        "import sys, numpy as np\n"
+        "from mpfcad.cad import write_step\n"
+        "from mpfcad.film import Groove, PrismFilm\n"
+        "film = PrismFilm(Groove(0.050, 0.025), 0.2, 2.0, 'filled', np.array([60.0, 30.0, 80.0]))\n"
+        "write_step(film, sys.argv[1], name='twin')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "c.step")], capture_output=True, check=True
+    )
+    assert done.stdout == done.stderr == b""
+    data = [(tmp_path / name).read_bytes() for name in ("a.step", "b.step", "c.step")]
+    assert data[0] == data[1] == data[2]
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_the_colours_are_read_by_occt(make_film, tmp_path):
+    from build123d import import_step
+
+    film = make_film([60.0, 30.0])
+    path = tmp_path / "film.step"
+    write_step(film, path)
+    parts = {part.label: part for part in import_step(path).children}
+    assert set(parts) == {"BEF", "fill"}
+    assert len(parts["fill"].solids()) == 2
+
+
+@pytest.fixture
+def written(make_film, tmp_path):
+    film = make_film([60.0, 45.0, 70.0])
+    path = tmp_path / "film.step"
+    write_step(film, path)
+    return film, path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        (".MILLI.,.METRE.", "$,.METRE.", "length units"),
+        ("PRODUCT('fill'", "PRODUCT('resin'", "products"),
+        ("END-ISO-10303-21;", "", "whole"),
+        ("= MANIFOLD_SOLID_BREP(", "= FACETED_BREP(", "solids"),
+        ("8.333333333333E-03)", "8.333343333333E-03)", "curvature error"),
+    ],
+)
+def test_tampered_text_is_refused(written, old, new, word):
+    film, path = written
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ExportError, match=word):
+        check_step(path, film)
+
+
+def test_a_moved_corner_is_refused(written):
+    film, path = written
+    text = path.read_text()
+    corner = "(0.15,2.,0.225)"
+    assert corner in text
+    path.write_text(text.replace(corner, "(0.151,2.,0.225)"))
+    with pytest.raises(ExportError):
+        check_step(path, film)
+
+
+def test_a_missing_face_is_refused(written):
+    film, path = written
+    text = path.read_text()
+    path.write_text(re.sub(r"CLOSED_SHELL\('',\(#\d+,", "CLOSED_SHELL('',(", text, count=1))
+    with pytest.raises(ExportError):
+        check_step(path, film)
+
+
+def test_another_film_is_refused(written, make_film):
+    _, path = written
+    for other in (
+        make_film([60.0, 45.0, 70.00001]),
+        make_film([45.0, 60.0, 70.0]),
+        make_film([60.0, 45.0, 80.0]),
+        make_film([60.0, 45.0, 70.0], length=2.00001),
+        make_film([60.0, 45.0, 70.0], "ideal"),
+    ):
+        with pytest.raises(ExportError):
+            check_step(path, other)
+
+
+def test_refused_films_leave_nothing(make_film, tmp_path):
+    with pytest.raises(InputError, match="curvature of groove 0"):
+        write_step(make_film(720.0, "ideal"), tmp_path / "film.step")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_importing_the_room_loads_no_cad_library():
+    code = (
+        "import sys, mpfcad.cad\n"
+        "heavy = {'OCP', 'build123d', 'trimesh', 'manifold3d', 'scipy'} & set(sys.modules)\n"
+        "sys.exit(f'loaded {heavy}' if heavy else 0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

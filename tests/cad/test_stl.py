@@ -1,0 +1,170 @@
+"""STL files: written, read back, and refused once tampered with."""
+
+import numpy as np
+import pytest
+
+from mpfcad.cad import check_stl, write_stl
+from mpfcad.cad.stl import FACET
+from mpfcad.errors import ExportError, InputError
+from mpfcad.units import deg
+
+TOLERANCE = 0.5 * deg
+
+
+@pytest.mark.parametrize(
+    ("curvature", "profile"),
+    [(c, "filled") for c in (0, 15, 40, 40.0001, 45, 57, 60, 79.6, 79.69, 79.99, 80)]
+    + [(c, "ideal") for c in (0, 60, 81, 100)],
+)
+def test_written_films_read_back(make_film, tmp_path, curvature, profile):
+    film = make_film(curvature, profile, count=5)
+    path = tmp_path / "film.stl"
+    write_stl(film, path, TOLERANCE)
+    check = check_stl(path, film, TOLERANCE)
+    assert check.watertight
+    assert abs(check.volume_error) < 2e-5
+    assert check.normal_error_rms < 0.005 * deg
+    assert check.normal_error_max <= TOLERANCE
+    assert check.height_error_max < 1e-7
+    assert check.triangle_count == (path.stat().st_size - 84) // 50
+    merged = profile == "filled" and curvature > 79.68
+    np.testing.assert_allclose(check.curvature, 80 if merged else curvature, atol=1e-4)
+
+
+def test_a_varied_film_of_a_pitch_reads_back(make_film, tmp_path):
+    film = make_film(60 + 19 * np.cos(np.arange(654) / 654 * 2 * np.pi))
+    path = tmp_path / "film.stl"
+    write_stl(film, path, TOLERANCE)
+    check = check_stl(path, film, TOLERANCE)
+    assert check.normal_error_max <= TOLERANCE
+    np.testing.assert_allclose(check.curvature, film.curvature, atol=2e-3)
+
+
+def test_a_thick_plate_reads_back(tmp_path, make_film):
+    from dataclasses import replace
+
+    film = replace(make_film(60.0), base=2.0)
+    path = tmp_path / "plate.stl"
+    write_stl(film, path, TOLERANCE)
+    assert check_stl(path, film, TOLERANCE).normal_error_max <= TOLERANCE
+
+
+def test_same_film_same_bytes_and_header(make_film, tmp_path):
+    film = make_film([60.0, 20.0, 80.0])
+    for name in ("a.stl", "b.stl"):
+        write_stl(film, tmp_path / name, TOLERANCE, name="patterned-16mm")
+    data = (tmp_path / "a.stl").read_bytes()
+    assert data == (tmp_path / "b.stl").read_bytes()
+    assert b"mm" in data[:80]
+    assert b"patterned-16mm" in data[:80]
+    assert not data.startswith(b"solid")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.stl", "b.stl"]
+
+
+def test_refused_films_leave_nothing(make_film, tmp_path):
+    with pytest.raises(InputError):
+        write_stl(make_film(-1.0), tmp_path / "film.stl", TOLERANCE)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def written(make_film, tmp_path):
+    film = make_film([60.0, 45.0, 70.0])
+    path = tmp_path / "film.stl"
+    write_stl(film, path, TOLERANCE)
+    return film, path, np.fromfile(path, FACET, offset=84)
+
+
+def save(path, facets):
+    """Write the facets over the file's own."""
+    header = path.read_bytes()[:80]
+    count = np.uint32(len(facets)).astype("<u4").tobytes()
+    path.write_bytes(header + count + facets.tobytes())
+
+
+def move(facets, corner, by):
+    """Move a corner everywhere it occurs, keeping the mesh closed and its normals right."""
+    here = np.all(facets["corner"] == corner, axis=2)
+    facets["corner"][here] += np.asarray(by, np.float32)
+    corners = facets["corner"].astype(float)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facets["normal"] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def test_untampered_passes(written):
+    film, path, facets = written
+    save(path, facets)
+    check_stl(path, film, TOLERANCE)
+
+
+@pytest.mark.parametrize(
+    ("tamper", "word"),
+    [
+        (lambda f: f.__setitem__("corner", f["corner"][:, ::-1]), "stored normal"),
+        (lambda f: f["normal"].__setitem__(7, -f["normal"][7]), "stored normal"),
+        (lambda f: f["corner"].__setitem__((7, 0, 2), 0.2), "."),
+        (lambda f: move(f, f["corner"][40, 0].copy(), [0, 0, 2e-6]), "normal error"),
+        (lambda f: move(f, f["corner"][40, 0].copy(), [0, 1e-3, 0]), "extent|normal"),
+        (lambda f: f["corner"].__imul__(np.float32(25.4)), "."),
+        (lambda f: f["corner"].__setitem__((0, 0, 0), np.nan), "finite"),
+    ],
+    ids=["all-flipped", "normal", "torn", "height", "lean", "inch", "nan"],
+)
+def test_tampered_files_are_refused(written, tamper, word):
+    film, path, facets = written
+    tamper(facets)
+    save(path, facets)
+    with pytest.raises(ExportError, match=word):
+        check_stl(path, film, TOLERANCE)
+
+
+def test_a_flipped_facet_is_refused(written):
+    film, path, facets = written
+    facets["corner"][5] = facets["corner"][5][::-1].copy()
+    facets["normal"][5] *= -1
+    save(path, facets)
+    with pytest.raises(ExportError, match="closed"):
+        check_stl(path, film, TOLERANCE)
+
+
+def test_an_inside_out_mesh_is_refused(written):
+    film, path, facets = written
+    facets["corner"] = facets["corner"][:, ::-1].copy()
+    facets["normal"] *= -1
+    save(path, facets)
+    with pytest.raises(ExportError, match="inward"):
+        check_stl(path, film, TOLERANCE)
+
+
+def test_missing_or_doubled_facets_are_refused(written):
+    film, path, facets = written
+    for wrong in (np.delete(facets, 11), np.append(facets, facets[11]), np.tile(facets, 2)):
+        save(path, wrong)
+        with pytest.raises(ExportError, match="closed"):
+            check_stl(path, film, TOLERANCE)
+
+
+def test_a_second_body_is_refused(written):
+    film, path, facets = written
+    other = facets.copy()
+    other["corner"][:, :, 2] *= np.float32(1e-3)
+    other["corner"][:, :, 2] += np.float32(0.05)
+    move(other, np.zeros(3, np.float32) - 1, [0, 0, 0])
+    save(path, np.concatenate([facets, other]))
+    with pytest.raises(ExportError):
+        check_stl(path, film, TOLERANCE)
+
+
+def test_a_cut_short_file_is_refused(written):
+    film, path, _ = written
+    path.write_bytes(path.read_bytes()[:-20])
+    with pytest.raises(ExportError, match="binary STL"):
+        check_stl(path, film, TOLERANCE)
+
+
+def test_another_film_is_refused(written, make_film):
+    _, path, _ = written
+    with pytest.raises(ExportError):
+        check_stl(path, make_film([60.0, 45.2, 70.0]), TOLERANCE)
+    with pytest.raises(ExportError, match="normal error"):
+        check_stl(path, make_film([60.0, 45.0, 70.0]), TOLERANCE / 2)
