@@ -13,7 +13,7 @@ from mpfcad.measure.contrast import Estimate, HarmonicFit, contrast_of_harmonics
 
 #: Points over the pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
 POINTS = 33
-_BLOCKS_A_ROUND = 16
+_LEAST_BLOCKS = 16
 _ENERGY_BLOCKS = 256
 
 
@@ -88,10 +88,10 @@ def luminance_over_pitch(
     tally = Tally.empty(POINTS, len(FLOWS) + len(elements))
     blocks = 0
     while True:
-        tally = tally + trace(
-            scene, source, _BLOCKS_A_ROUND, seed=seed, first=blocks, threads=threads
-        )
-        blocks += _BLOCKS_A_ROUND
+        # Rounds grow with what is done, so that few intervals are computed and little is overshot.
+        more = max(_LEAST_BLOCKS, blocks // 4)
+        tally = tally + trace(scene, source, more, seed=seed, first=blocks, threads=threads)
+        blocks += more
         fit = fit_harmonics(position, tally.radiance, tally.radiance_error)
         contrast = contrast_of_harmonics(fit, seed)
         if progress:

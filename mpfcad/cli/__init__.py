@@ -1,0 +1,59 @@
+"""The command line: one file a subcommand, and the exit codes.
+
+0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE, 2 bad input, 3 anything else, 130 interrupted. Every
+error is one line on stderr; `--debug` or MPFCAD_DEBUG=1 adds the traceback. Nothing heavy is
+imported before a subcommand needs it, so that `--help` is instant.
+"""
+
+import signal
+import sys
+
+from mpfcad.cli.app import app, debug_wanted
+
+__all__ = ["app", "main"]
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    signal.signal(signal.SIGTERM, _stop)
+    sys.exit(run_app(sys.argv[1:]))
+
+
+def run_app(arguments: list[str]) -> int:
+    """Return the exit code of `mpfcad ARGUMENTS`."""
+    try:
+        return app(arguments, prog_name="mpfcad", standalone_mode=False) or 0
+    except BaseException as error:
+        if debug_wanted() and not isinstance(error, SystemExit):
+            import traceback
+
+            traceback.print_exc()
+        return _exit_code(error)
+
+
+def _stop(number: int, frame: object) -> None:
+    """End like Ctrl-C, so that what is half-written is removed."""
+    raise SystemExit(128 + number)
+
+
+def _exit_code(error: BaseException) -> int:
+    """Print one line for `error` and return the exit code it stands for."""
+    from mpfcad.errors import InputError
+
+    if isinstance(error, SystemExit):
+        return error.code if isinstance(error.code, int) else int(error.code is not None)
+    # Typer turns Ctrl-C into its own Abort.
+    if isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort":
+        return _fail("interrupted", 130)
+    if isinstance(error, InputError):
+        return _fail(str(error), 2)
+    if hasattr(error, "format_message"):  # what typer raises on wrong usage
+        return _fail(f"{error.format_message()} (see mpfcad --help)", 2)
+    if isinstance(error, MemoryError):
+        return _fail("out of memory", 3)
+    return _fail(f"{type(error).__name__}: {error}", 3)
+
+
+def _fail(line: str, code: int) -> int:
+    print("mpfcad: " + " ".join(line.split()), file=sys.stderr)
+    return code

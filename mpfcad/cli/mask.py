@@ -1,0 +1,29 @@
+"""`mpfcad mask`: the mask files of a job, nothing else."""
+
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import JobFile, Out, formats
+
+
+def command(
+    job_file: JobFile,
+    out: Out = None,
+    format: Annotated[str, typer.Option("--format", metavar="LIST", help="Of oas, gds.")] = (
+        "oas,gds"
+    ),
+) -> int:
+    """Make and check the mask files of a job."""
+    from mpfcad.cli.terminal import Terminal
+    from mpfcad.job import read_job
+    from mpfcad.pipeline import MASK_FORMATS, default_out, make_mask
+
+    chosen = formats(format, MASK_FORMATS)
+    job = read_job(job_file)
+    folder = out or default_out(job).with_name(f"{job.name}-mask")
+    with Terminal() as terminal:
+        make_mask(job, job_file, folder, chosen, terminal)
+    for name in chosen:
+        print(folder / f"mask.{name}")
+    return 0

@@ -1,0 +1,53 @@
+"""Arguments and options that several subcommands share."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+class Effort(StrEnum):
+    """How long to trace; the same words as in a job's `[trace]`."""
+
+    quick = "quick"
+    standard = "standard"
+    final = "final"
+
+
+JobFile = Annotated[Path, typer.Argument(metavar="JOB.toml", help="The job.", show_default=False)]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder of the results [default: exports/NAME]."),
+]
+TraceEffort = Annotated[
+    Effort | None,
+    typer.Option("--effort", help="How long to trace; default: what the job says."),
+]
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        "--threads",
+        min=1,
+        metavar="N",
+        help="Threads of the tracer; the figures do not depend on it [default: all cores].",
+    ),
+]
+
+
+def formats(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the formats named in `text`, separated by commas.
+
+    Raises
+    ------
+    InputError
+        when a format is unknown or none is given.
+    """
+    from mpfcad.errors import InputError
+
+    chosen = tuple(dict.fromkeys(part.strip().lower() for part in text.split(",") if part.strip()))
+    unknown = [name for name in chosen if name not in known]
+    if unknown or not chosen:
+        wrong = unknown[0] if unknown else repr(text)
+        raise InputError(f"--format: {wrong}: must be of {', '.join(known)}")
+    return chosen

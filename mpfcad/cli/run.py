@@ -1,0 +1,27 @@
+"""`mpfcad run`: the whole job, from the curvature map to the verdict."""
+
+from mpfcad.cli.option import JobFile, Out, Threads, TraceEffort
+
+
+def command(
+    job_file: JobFile, out: Out = None, effort: TraceEffort = None, threads: Threads = None
+) -> int:
+    """Make mask, CAD files, ray trace and report of a job."""
+    from mpfcad.cli.terminal import Terminal, print_verdict
+    from mpfcad.job import read_job
+    from mpfcad.pipeline import default_out, run_job
+    from mpfcad.report import exit_code
+
+    job = read_job(job_file)
+    folder = out or default_out(job)
+    with Terminal() as terminal:
+        verification = run_job(
+            job,
+            job_file,
+            folder,
+            effort=effort.value if effort else None,
+            threads=threads,
+            progress=terminal,
+        )
+    print_verdict(verification, folder)
+    return exit_code(verification["verdict"])

@@ -1,0 +1,39 @@
+"""`mpfcad trace`: any closed film mesh in a backlight stack."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import Effort, Threads
+
+
+def command(
+    mesh: Annotated[Path, typer.Argument(metavar="FILE.stl", help="A closed film mesh, in mm.")],
+    stack: Annotated[
+        str, typer.Option("--stack", metavar="NAME|FILE.toml", help="See mpfcad stacks.")
+    ] = "thesis-32in-mpf",
+    thickness_mm: Annotated[
+        float | None,
+        typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: preset]."),
+    ] = None,
+    offset_mm: Annotated[
+        float, typer.Option("--offset-mm", metavar="MM", help="Left edge from a lamp's axis.")
+    ] = 0.0,
+    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")] = 1,
+    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
+        Effort.standard
+    ),
+    threads: Threads = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> int:
+    """Trace a film mesh in a stack: figures only, no verdict."""
+    from mpfcad.cli.terminal import Terminal, print_trace
+    from mpfcad.pipeline import trace_mesh
+
+    with Terminal() as terminal:
+        figures = trace_mesh(
+            mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal
+        )
+    print_trace(figures, as_json=json)
+    return 0

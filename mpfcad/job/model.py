@@ -1,0 +1,193 @@
+"""The tables of a job, one model each.
+
+Outside every quantity carries its unit in its name (`pitch_um`); the properties without a suffix
+give the inside value (mm, rad).
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from mpfcad.units import from_suffix
+
+Effort = Literal["quick", "standard", "final"]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+DEFAULT_PRESET = "thesis-32in-mpf"
+EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
+
+
+class _Table(BaseModel):
+    """A table of the job: frozen, strict, no unknown key; `pitch` is `pitch_um` in inside units."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, populate_by_name=True)
+
+    def _inside(self, field: str) -> float:
+        return from_suffix(field, getattr(self, field))
+
+
+class MapTable(_Table):
+    """`[map]`: one curvature everywhere, or a file with C over the lamp pitch or the panel."""
+
+    file: str | None = None
+    curvature_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    extent: Literal["pitch", "panel"] = "pitch"
+    repeat: Literal["repeat", "mirror"] = "repeat"
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "MapTable":
+        if (self.file is None) == (self.curvature_per_mm is None):
+            raise ValueError("give either file or curvature_per_mm")
+        return self
+
+
+class FilmTable(_Table):
+    """`[film]`: profile, dimensions, refractive index (none: the stack's)."""
+
+    profile: Literal["filled", "ideal"] = "filled"
+    pitch_um: Annotated[Positive, Field(le=2000)] = 50.0
+    depth_um: Annotated[Positive, Field(le=2000)] = 25.0
+    base_um: Annotated[Positive, Field(le=5000)] = 200.0
+    refractive_index: Annotated[Positive, Field(gt=1, le=3)] | None = None
+
+    @property
+    def pitch(self) -> float:
+        """Groove pitch [mm]."""
+        return self._inside("pitch_um")
+
+    @property
+    def depth(self) -> float:
+        """Groove depth [mm]."""
+        return self._inside("depth_um")
+
+    @property
+    def base(self) -> float:
+        """Thickness below the valleys [mm]."""
+        return self._inside("base_um")
+
+
+class ProcessTable(_Table):
+    """`[process]`: the calibration of the screen printing; none means the built-in one."""
+
+    calibration: str | None = None
+
+
+class MaskTable(_Table):
+    """`[mask]`: pattern and rules of the screen."""
+
+    pattern: Literal["slot", "dot"] = "slot"
+    period_um: Annotated[Positive, Field(le=10_000)] = 400.0
+    min_aperture_um: Positive = 15.0
+    min_web_um: Positive = 15.0
+
+    @model_validator(mode="after")
+    def _room(self) -> "MaskTable":
+        smallest = self.min_aperture_um + self.min_web_um
+        if smallest > self.period_um:
+            raise ValueError(
+                f"min_aperture_um + min_web_um = {smallest:g} must be at most "
+                f"period_um = {self.period_um:g}"
+            )
+        return self
+
+    @property
+    def period(self) -> float:
+        """Period of the apertures along the grooves [mm]."""
+        return self._inside("period_um")
+
+    @property
+    def min_aperture(self) -> float:
+        """Smallest aperture the screen maker keeps [mm]."""
+        return self._inside("min_aperture_um")
+
+    @property
+    def min_web(self) -> float:
+        """Smallest web between apertures [mm]."""
+        return self._inside("min_web_um")
+
+
+class CadTable(_Table):
+    """`[cad]`: extent of film.step and film.stl, and the facets' angle tolerance."""
+
+    extent: Literal["pitch", "panel"] = "pitch"
+    length_mm: Annotated[Positive, Field(le=2000)] = 2.0
+    angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] = 0.5
+
+    @property
+    def length(self) -> float:
+        """Length of the piece along the grooves [mm]."""
+        return self._inside("length_mm")
+
+    @property
+    def angle_tolerance(self) -> float:
+        """Largest angle [rad] between a facet and the surface it stands for."""
+        return self._inside("angle_tolerance_deg")
+
+
+class StackTable(_Table):
+    """`[stack]`: the backlight, a preset or a file, its thickness and single values overridden."""
+
+    preset: str | None = None
+    file: str | None = None
+    thickness_mm: Annotated[Positive, Field(le=1000)] | None = None
+    override: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_source(cls, table: Any) -> Any:
+        if isinstance(table, dict):
+            if "preset" in table and "file" in table:
+                raise ValueError("give either preset or file, not both")
+            if "preset" not in table and "file" not in table:
+                return {**table, "preset": DEFAULT_PRESET}
+        return table
+
+    @property
+    def thickness(self) -> float | None:
+        """Reflector to the plate's underside [mm]; None leaves the preset's own."""
+        return None if self.thickness_mm is None else self._inside("thickness_mm")
+
+
+class GateTable(_Table):
+    """`[gates]`: the limits of the lamp-Mura contrast."""
+
+    contrast_pass: Annotated[Positive, Field(le=1)] = 0.012
+    contrast_marginal: Annotated[Positive, Field(le=1)] = 0.018
+
+    @model_validator(mode="after")
+    def _order(self) -> "GateTable":
+        if self.contrast_pass > self.contrast_marginal:
+            raise ValueError(
+                f"contrast_pass = {self.contrast_pass:g} must be at most "
+                f"contrast_marginal = {self.contrast_marginal:g}"
+            )
+        return self
+
+
+class TraceTable(_Table):
+    """`[trace]`: how long to trace."""
+
+    effort: Effort = "standard"
+
+
+class Job(_Table):
+    """A whole job; `name` and `[map]` are all that must be given."""
+
+    version: Literal[1] = Field(default=1, alias="schema")
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
+    map: MapTable
+    film: FilmTable = FilmTable()
+    process: ProcessTable = ProcessTable()
+    mask: MaskTable = MaskTable()
+    cad: CadTable = CadTable()
+    stack: StackTable = StackTable(preset=DEFAULT_PRESET)
+    gates: GateTable = GateTable()
+    trace: TraceTable = TraceTable()
+
+    def document(self) -> dict[str, Any]:
+        """Return the job as plain JSON values, every default written out."""
+        return self.model_dump(mode="json", by_alias=True)
+
+    def given(self) -> dict[str, Any]:
+        """Return only what the job's file states; `build_job` makes the same job of it again."""
+        return self.model_dump(mode="json", by_alias=True, exclude_unset=True)

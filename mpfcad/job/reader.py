@@ -1,0 +1,83 @@
+"""TOML file -> Job, and whatever is wrong in one line: file, field, value, what is allowed."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from mpfcad.errors import InputError
+from mpfcad.job.model import Job
+
+
+def build_job(document: dict[str, Any], where: str) -> Job:
+    """Return the job of a parsed TOML `document`; `where` names its file in errors.
+
+    Raises
+    ------
+    InputError
+        naming the first field that is wrong, its value and what is allowed.
+    """
+    try:
+        return Job.model_validate(document)
+    except ValidationError as error:
+        raise InputError(f"{where}: {_first_line(error)}") from None
+
+
+def read_job(path: Path) -> Job:
+    """Return the job in the TOML file at `path`.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read, is no TOML (naming the line), or a field is wrong.
+    """
+    try:
+        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: byte {error.start}: not UTF-8 text") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML: {error}") from None
+    return build_job(document, str(path))
+
+
+def _first_line(error: ValidationError) -> str:
+    """Return `field: value: what is allowed` of the first error, and how many more there are."""
+    errors = error.errors(include_url=False)
+    first = errors[0]
+    field = ".".join(str(part) for part in first["loc"]) or "job"
+    if first["type"] == "missing":
+        line = f"{field}: missing: required"
+    elif first["type"] == "extra_forbidden":
+        line = f"{field}: {_shown(first['input'])}: unknown key; {_known_keys(first['loc'][:-1])}"
+    else:
+        line = f"{field}: {_shown(first['input'])}: {_allowed(first)}"
+    more = len(errors) - 1
+    return line + (f" (and {more} more error{'s' if more > 1 else ''})" if more else "")
+
+
+def _allowed(error: dict[str, Any]) -> str:
+    """Return what a field allows, from pydantic's message."""
+    if error["type"] == "string_pattern_mismatch":
+        return "must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"
+    message = error["msg"].removeprefix("Value error, ")
+    return message.replace("Input should be", "must be", 1)
+
+
+def _shown(value: Any) -> str:
+    """Return `value` on one short line; a whole table is shown by its keys."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(map(str, value)) + "}"
+    text = str(value).replace("\n", " ")
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _known_keys(location: tuple[Any, ...]) -> str:
+    """Return the keys that the table at `location` knows."""
+    model: type[BaseModel] = Job
+    for part in location:
+        model = model.model_fields[part].annotation
+    keys = [field.alias or name for name, field in model.model_fields.items()]
+    return "known: " + ", ".join(keys)

@@ -1,0 +1,49 @@
+"""The commented job that `mpfcad init` writes; it is itself a valid job."""
+
+TEMPLATE = """\
+# A job of mpfcad: mpfcad run THIS.toml
+# Only name and [map] must be given; everything else shows its default.
+schema = 1
+name = "my-film"                # the results go to exports/my-film/
+seed = 1                        # of the ray trace; the same seed gives the same numbers
+
+[map]                           # the curvature C through the tips of the prisms
+curvature_per_mm = 60.0         # one curvature everywhere, or a file (relative to this one):
+# file = "my-film.csv"          # columns position_mm,curvature_per_mm; or .npz with those arrays
+# extent = "pitch"              # "pitch": the file spans one lamp pitch, 0 above a lamp; "panel"
+# repeat = "repeat"             # "mirror": the file spans half a pitch and is mirrored
+
+[film]
+profile = "filled"              # resin in a BEF, printable for C <= 80 /mm; "ideal": a mould only
+pitch_um = 50.0
+depth_um = 25.0
+base_um = 200.0                 # thickness below the valleys
+# refractive_index = 1.55       # of prism and resin; the stack's when left out
+
+[process]                       # aperture ratio <-> fill fraction
+# calibration = "process.toml"  # replaces the built-in one (docs/process.md)
+
+[mask]
+pattern = "slot"                # slots across the grooves; or "dot"
+period_um = 400.0               # along the grooves
+min_aperture_um = 15.0
+min_web_um = 15.0
+
+[cad]                           # what film.step and film.stl cover; the mask covers the panel
+extent = "pitch"                # one lamp pitch, or "panel"
+length_mm = 2.0                 # along the grooves, when extent = "pitch"
+angle_tolerance_deg = 0.5       # of the facets of film.stl
+
+[stack]
+preset = "thesis-32in-mpf"      # `mpfcad stacks` lists them; or file = "my-stack.toml"
+# thickness_mm = 20.0           # reflector to plate; the preset's own when left out
+
+[stack.override]                # single values of the stack, by the names `mpfcad stacks` shows
+
+[gates]                         # lamp-Mura contrast (Lmax - Lmin)/(Lmax + Lmin)
+contrast_pass = 0.012           # PASS up to here
+contrast_marginal = 0.018       # MARGINAL up to here, FAIL above
+
+[trace]
+effort = "standard"             # "quick": under two minutes; "final": the narrowest interval
+"""

@@ -1,0 +1,32 @@
+"""The whole way: job -> plan -> files -> examined from the files -> verdict and report.
+
+`run_job` makes an export folder that appears whole or not at all; `verify_export` finds every
+figure of one again from its own files, through the same code; `make_mask`, `make_cad` and
+`trace_mesh` are the single steps.
+"""
+
+from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
+from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
+from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
+from mpfcad.pipeline.progress import SILENT, Progress, Silent
+from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.verify import verify_export
+
+__all__ = [
+    "CAD_FORMATS",
+    "MASK_FORMATS",
+    "SILENT",
+    "TRACE_SETTINGS",
+    "Plan",
+    "Progress",
+    "Silent",
+    "TraceSetting",
+    "default_out",
+    "make_cad",
+    "make_mask",
+    "read_plan",
+    "restore_plan",
+    "run_job",
+    "trace_mesh",
+    "verify_export",
+]

@@ -1,0 +1,152 @@
+"""Finds out what the files of an export are worth: everything is read back from the folder.
+
+`run_job` and `verify_export` both call `examine`, so what is verified is what was shipped.
+"""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from mpfcad.backlight import Stack, read_stack
+from mpfcad.cad import MeshCheck, StepCheck
+from mpfcad.export import sha256
+from mpfcad.film import Groove, PrismFilm
+from mpfcad.mask import Mask, MaskCheck
+from mpfcad.measure import LuminanceResult, luminance_over_pitch
+from mpfcad.pipeline.effort import TraceSetting, available_threads
+from mpfcad.pipeline.make import MASK_FORMATS
+from mpfcad.pipeline.plan import Plan
+from mpfcad.pipeline.progress import Progress
+
+#: The stack that every result is compared with: the thesis's own reference.
+BASELINE_PRESET = "thesis-32in-conventional"
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What the files of an export turned out to be.
+
+    Attributes
+    ----------
+    mask
+        check of each mask file by its name; empty without a mask
+    step, mesh
+        checks of film.step and film.stl
+    curvature_difference
+        largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
+        without mask the table's C stands in for the mask's
+    traced_sha256
+        hash of the mesh file as it was traced
+    luminance, baseline
+        of this film, and of the conventional stack with a plain BEF
+    """
+
+    mask: dict[str, MaskCheck]
+    step: StepCheck
+    mesh: MeshCheck
+    curvature_difference: float
+    traced_sha256: str
+    luminance: LuminanceResult
+    baseline: LuminanceResult
+
+
+def examine(
+    folder: Path,
+    plan: Plan,
+    mask: Mask | None,
+    setting: TraceSetting,
+    threads: int | None,
+    progress: Progress,
+) -> Findings:
+    """Check and trace the files in `folder`.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    masks = _check_masks(folder, mask, progress)
+    step, mesh = _check_cad(folder, plan, progress)
+    difference = _curvature_difference(plan, masks, mesh)
+    progress.stage("tracing film.stl")
+    before = sha256(folder / "film.stl")
+    mesh_file = folder / "film.stl"
+    luminance = _trace(plan, plan.stack, mesh_file, plan.offset, setting, threads, progress)
+    progress.stage("tracing the conventional stack")
+    baseline = _trace_baseline(plan, setting, threads, progress)
+    return Findings(masks, step, mesh, difference, before, luminance, baseline)
+
+
+def _check_masks(folder: Path, mask: Mask | None, progress: Progress) -> dict[str, MaskCheck]:
+    from mpfcad.mask import check_mask
+
+    checks = {}
+    for name in () if mask is None else (f"mask.{suffix}" for suffix in MASK_FORMATS):
+        progress.stage(f"checking {name}")
+        checks[name] = check_mask(folder / name, mask)
+    return checks
+
+
+def _check_cad(folder: Path, plan: Plan, progress: Progress) -> tuple[StepCheck, MeshCheck]:
+    from mpfcad.cad import check_step, check_stl
+
+    progress.stage("checking film.step")
+    step = check_step(folder / "film.step", plan.piece)
+    progress.stage("checking film.stl")
+    return step, check_stl(folder / "film.stl", plan.piece, plan.job.cad.angle_tolerance)
+
+
+def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float:
+    """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    if plan.process is None:
+        expected = [plan.panel.curvature[piece]]
+    else:
+        expected = [plan.process.curvature(check.aperture_ratio[piece]) for check in masks.values()]
+    return max(float(np.max(np.abs(values - mesh.curvature))) for values in expected)
+
+
+def _trace(
+    plan: Plan,
+    stack: Stack,
+    mesh: Path,
+    offset: float,
+    setting: TraceSetting,
+    threads: int | None,
+    progress: Progress,
+) -> LuminanceResult:
+    return luminance_over_pitch(
+        stack,
+        mesh,
+        offset=offset,
+        seed=plan.job.seed,
+        half_width_goal=setting.half_width_goal,
+        path_limit=setting.path_limit,
+        threads=threads or available_threads(),
+        progress=progress.trace,
+    )
+
+
+def _trace_baseline(
+    plan: Plan, setting: TraceSetting, threads: int | None, progress: Progress
+) -> LuminanceResult:
+    """Trace a plain BEF, written to a file and read back, in the conventional stack."""
+    from mpfcad.cad import write_stl
+
+    stack = read_stack(BASELINE_PRESET)
+    with tempfile.TemporaryDirectory() as temporary:
+        mesh = Path(temporary) / "bef.stl"
+        write_stl(baseline_film(stack.lamp_pitch), mesh, plan.job.cad.angle_tolerance)
+        return _trace(plan, stack, mesh, 0.0, setting, threads, progress)
+
+
+def baseline_film(lamp_pitch: float) -> PrismFilm:
+    """Return the plain BEF of the thesis over one lamp pitch [mm]."""
+    from mpfcad.pipeline.plan import groove_count
+
+    groove = Groove(0.050, 0.025)
+    count = groove_count(lamp_pitch, groove.pitch)
+    empty = np.full(count, groove.curvature_empty)
+    return PrismFilm(groove, base=0.2, length=2.0, profile="filled", curvature=empty)

@@ -1,0 +1,257 @@
+"""From a job to everything that is made of it: the panel film, its CAD piece, process and stack."""
+
+import math
+import tempfile
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.errors import ExportError, InputError
+from mpfcad.film import (
+    CurvatureMap,
+    Groove,
+    PrismFilm,
+    Process,
+    check_curvature,
+    read_curvature_map,
+    read_process,
+    write_curvature_map,
+)
+from mpfcad.job import Job, build_job
+
+CURVATURE_FILE = "curvature.csv"
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A job with every input read.
+
+    Attributes
+    ----------
+    job
+        the job as validated
+    process
+        the printing process; None for an `ideal` film, which no print can make
+    stack
+        the backlight with the film's slot
+    panel
+        the film over the whole panel, x from the panel's left edge
+    piece
+        what film.step and film.stl hold, cut from `panel`
+    first_groove
+        groove of `panel` that is the first of `piece`
+    calibration
+        text of the process calibration that the job names, if it does
+    input_file
+        path of every file read, by its name in the job
+    """
+
+    job: Job
+    process: Process | None
+    stack: Stack
+    panel: PrismFilm
+    piece: PrismFilm
+    first_groove: int
+    calibration: str | None = None
+    input_file: dict[str, Path] = field(default_factory=dict)
+
+    @property
+    def lamp_position(self) -> float:
+        """Position [mm] on the panel of the lamp that the traced pitch starts at."""
+        return self.stack.lamp_position(central_lamp(self.stack))
+
+    @property
+    def offset(self) -> float:
+        """Position [mm] of the piece's left edge from that lamp's axis."""
+        return self.piece.origin - self.lamp_position
+
+    @property
+    def is_printable(self) -> bool:
+        """Whether a mask can be made."""
+        return self.process is not None
+
+    def write_curvature(self, path: Path) -> None:
+        """Write the table of the panel's grooves."""
+        ratio = None
+        if self.process is not None:
+            ratio = self.process.aperture_ratio_of_curvature(self.panel.curvature)
+        write_curvature_map(
+            path,
+            self.panel.groove_position,
+            self.panel.curvature,
+            groove=self.panel.groove,
+            profile=self.panel.profile,
+            aperture_ratio=ratio,
+        )
+
+
+def central_lamp(stack: Stack) -> int:
+    """Return the lamp left of the panel's middle: the traced pitch runs from it to the next."""
+    return max((stack.lamp_count - 1) // 2, 0)
+
+
+def groove_count(width: float, pitch: float) -> int:
+    """Return how many whole grooves of `pitch` [mm] cover `width` [mm]."""
+    return math.ceil(width / pitch - 1e-9)
+
+
+def read_plan(job: Job, job_file: Path) -> Plan:
+    """Return the plan of a job, reading the files it names beside `job_file`.
+
+    Raises
+    ------
+    InputError
+        when a file or a value in it is wrong.
+    """
+    job_file = Path(job_file)
+    folder = job_file.parent
+    files = {
+        name: folder / name
+        for name in (job.map.file, job.process.calibration, job.stack.file)
+        if name is not None
+    }
+    stack = _read_stack(job, job_file)
+    calibration = files.get(job.process.calibration)
+    groove = Groove(job.film.pitch, job.film.depth)
+    process = _read_process(job, calibration, groove)
+    count = groove_count(stack.panel_width, groove.pitch)
+    curvature = _read_map(job, job_file, stack, groove).on_grooves(
+        (np.arange(count) + 0.5) * groove.pitch,
+        stack.lamp_pitch,
+        stack.lamp_position(central_lamp(stack)),
+    )
+    text = calibration.read_text("utf-8") if calibration else None
+    return _build_plan(
+        job, stack, process, _as_written(curvature), text, {job_file.name: job_file, **files}
+    )
+
+
+def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
+    """Return the plan of an export from its own files alone.
+
+    Parameters
+    ----------
+    folder
+        the export
+    document
+        `job` of its verification.json
+
+    Raises
+    ------
+    ExportError
+        when this version of mpfcad reads the stored job otherwise than it was meant.
+    """
+    job = build_job(document["given"], str(folder / "verification.json"))
+    if job.document() != document["resolved"]:
+        raise ExportError(f"{folder}: job: its defaults differ in this version of mpfcad")
+    groove = Groove(job.film.pitch, job.film.depth)
+    text = document["calibration"]
+    with tempfile.TemporaryDirectory() as temporary:
+        file = None
+        if text is not None:
+            file = Path(temporary) / "calibration.toml"
+            file.write_bytes(text.encode())
+        process = _read_process(job, file, groove)
+    stack = restore_stack(document["stack"])
+    return _build_plan(job, stack, process, read_curvature(folder), text, {})
+
+
+def describe_stack(stack: Stack) -> dict[str, Any]:
+    """Return a stack as plain values; `restore_stack` makes the same stack of them again."""
+    return {
+        "name": stack.name,
+        "title": stack.title,
+        "layers": list(stack.layers),
+        "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
+    }
+
+
+def restore_stack(document: dict[str, Any]) -> Stack:
+    """Return the stack that `describe_stack` has described."""
+    quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
+    return Stack(document["name"], document["title"], tuple(document["layers"]), quantity)
+
+
+def read_curvature(folder: Path) -> NDArray[np.float64]:
+    """Return the curvature [1/mm] of every groove from an export's curvature.csv."""
+    path = folder / CURVATURE_FILE
+    return np.loadtxt(path, delimiter=",", skiprows=1, usecols=2, ndmin=1)
+
+
+def _build_plan(
+    job: Job,
+    stack: Stack,
+    process: Process | None,
+    curvature: NDArray[np.float64],
+    calibration: str | None,
+    input_file: dict[str, Path],
+) -> Plan:
+    panel = PrismFilm(
+        groove=Groove(job.film.pitch, job.film.depth),
+        base=job.film.base,
+        length=stack.panel_length,
+        profile=job.film.profile,
+        curvature=curvature,
+    )
+    first, piece = _cut_piece(job, stack, panel)
+    return Plan(job, process, stack, panel, piece, first, calibration, input_file)
+
+
+def _as_written(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the curvatures as curvature.csv holds them, so that it alone defines the film."""
+    return np.array([float(f"{value:.9g}") for value in curvature])
+
+
+def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm]:
+    """Return the first groove and the piece: a lamp pitch from a central lamp on, or all."""
+    if job.cad.extent == "panel":
+        return 0, panel
+    pitch = panel.groove.pitch
+    count = min(groove_count(stack.lamp_pitch, pitch), panel.groove_count)
+    first = round(stack.lamp_position(central_lamp(stack)) / pitch)
+    first = min(max(first, 0), panel.groove_count - count)
+    return first, panel.cut(first, count, job.cad.length)
+
+
+def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> CurvatureMap:
+    uniform = job.map.curvature_per_mm
+    if uniform is not None:
+        where = f"{job_file}: map.curvature_per_mm"
+        check_curvature(uniform, groove, job.film.profile, where)
+        return CurvatureMap.uniform(uniform)
+    return read_curvature_map(
+        job_file.parent / job.map.file,
+        extent=job.map.extent,
+        repeat=job.map.repeat,
+        profile=job.film.profile,
+        groove=groove,
+        lamp_pitch=stack.lamp_pitch,
+        panel_width=stack.panel_width,
+    )
+
+
+def _read_stack(job: Job, job_file: Path) -> Stack:
+    overrides = dict(job.stack.override)
+    index = job.film.refractive_index
+    if index is not None:
+        if "film_index" in overrides:
+            raise InputError(
+                f"{job_file}: stack.override.film_index: {overrides['film_index']}: "
+                f"must be left out when film.refractive_index is given"
+            )
+        overrides["film_index"] = index
+    file = job.stack.file
+    source = job.stack.preset if file is None else job_file.parent / file
+    try:
+        return read_stack(source, thickness=job.stack.thickness, overrides=overrides)
+    except InputError as error:
+        raise InputError(f"{job_file}: {error}") from None
+
+
+def _read_process(job: Job, calibration: Path | None, groove: Groove) -> Process | None:
+    """Return the printing process; None for an `ideal` film, which no print can make."""
+    return read_process(calibration, groove) if job.film.profile == "filled" else None

@@ -1,0 +1,180 @@
+"""`run_job`: plan -> files -> examined from the files -> verdict; and the single steps alone."""
+
+from pathlib import Path
+from typing import Any
+
+from mpfcad.errors import InputError
+from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.job import Job
+from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.make import (
+    CAD_FORMATS,
+    MASK_FORMATS,
+    plan_mask,
+    refuse_unprintable,
+    write_cad,
+    write_curvature,
+    write_masks,
+)
+from mpfcad.pipeline.plan import Plan, read_plan
+from mpfcad.pipeline.progress import SILENT, Progress
+
+VERIFICATION = "verification.json"
+REPORT = "report.html"
+
+
+def default_out(job: Job) -> Path:
+    """Return where a job's results go unless told otherwise."""
+    return Path("exports") / job.name
+
+
+def run_job(
+    job: Job,
+    job_file: Path,
+    out: Path,
+    *,
+    effort: str | None = None,
+    threads: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Make, check and trace a job into the folder `out`; return its verification.json.
+
+    Raises
+    ------
+    InputError
+        when the job or a file it names is wrong; `out` is then as it was.
+    ExportError
+        when a file does not read back as what it should hold; `out` is then as it was.
+    """
+    effort = effort or job.trace.effort
+    progress.stage(f"reading {job_file}")
+    plan = read_plan(job, job_file)
+    mask = plan_mask(plan)
+    with export_folder(out, "run") as folder:
+        write_curvature(plan, folder)
+        if mask is not None:
+            write_masks(mask, folder, MASK_FORMATS, progress)
+        write_cad(plan, folder, CAD_FORMATS, progress)
+        return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
+
+
+def _examine_and_report(
+    folder: Path,
+    plan: Plan,
+    mask: Any,
+    job_file: Path,
+    effort: str,
+    threads: int | None,
+    progress: Progress,
+) -> dict[str, Any]:
+    from mpfcad.pipeline.examine import examine
+    from mpfcad.pipeline.record import build_provenance, build_record, gather_evidence
+    from mpfcad.report import write_report
+
+    setting = TRACE_SETTINGS[effort]
+    findings = examine(folder, plan, mask, setting, threads, progress)
+    provenance = build_provenance(plan, job_file, effort)
+    record = build_record(folder, plan, findings, setting, provenance)
+    write_text(folder / VERIFICATION, canonical_json(record))
+    progress.stage("writing report.html")
+    write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
+    write_manifest(folder, plan.job.name, "run")
+    return record
+
+
+def make_mask(
+    job: Job, job_file: Path, out: Path, formats: tuple[str, ...], progress: Progress = SILENT
+) -> None:
+    """Make and check only the mask files of a job.
+
+    Raises
+    ------
+    InputError
+        when the job is wrong or no print can make its film.
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.mask import check_mask
+
+    progress.stage(f"reading {job_file}")
+    plan = read_plan(job, job_file)
+    refuse_unprintable(plan, str(job_file))
+    mask = plan_mask(plan)
+    with export_folder(out, "mask") as folder:
+        write_curvature(plan, folder)
+        write_masks(mask, folder, formats, progress)
+        for name in formats:
+            progress.stage(f"checking mask.{name}")
+            check_mask(folder / f"mask.{name}", mask)
+        write_manifest(folder, job.name, "mask")
+
+
+def make_cad(
+    job: Job, job_file: Path, out: Path, formats: tuple[str, ...], progress: Progress = SILENT
+) -> None:
+    """Make and check only the CAD files of a job.
+
+    Raises
+    ------
+    InputError
+        when the job is wrong.
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.cad import check_step, check_stl
+
+    progress.stage(f"reading {job_file}")
+    plan = read_plan(job, job_file)
+    with export_folder(out, "cad") as folder:
+        write_curvature(plan, folder)
+        write_cad(plan, folder, formats, progress)
+        if "step" in formats:
+            progress.stage("checking film.step")
+            check_step(folder / "film.step", plan.piece)
+        if "stl" in formats:
+            progress.stage("checking film.stl")
+            check_stl(folder / "film.stl", plan.piece, job.cad.angle_tolerance)
+        write_manifest(folder, job.name, "cad")
+
+
+def trace_mesh(
+    mesh: Path,
+    stack: str,
+    thickness: float | None,
+    offset: float,
+    seed: int,
+    effort: str,
+    threads: int | None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Trace any closed film mesh in a stack; return the figures.
+
+    `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
+    edge from a lamp's axis [mm].
+
+    Raises
+    ------
+    InputError
+        when the mesh is no closed film or the stack is wrong.
+    """
+    from mpfcad.backlight import read_stack
+    from mpfcad.export import sha256
+    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.report import describe_luminance
+
+    if not mesh.is_file():
+        raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
+    setting = TRACE_SETTINGS[effort]
+    progress.stage(f"tracing {mesh}")
+    result = luminance_over_pitch(
+        read_stack(stack, thickness=thickness),
+        mesh,
+        offset=offset,
+        seed=seed,
+        half_width_goal=setting.half_width_goal,
+        path_limit=setting.path_limit,
+        threads=threads or available_threads(),
+        progress=progress.trace,
+    )
+    traced = {"file": mesh.name, "sha256": sha256(mesh), "stack": str(stack), "seed": seed}
+    return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -1,0 +1,33 @@
+"""The verdict and how it is told: gates, verification.json, and the HTML report.
+
+`Gate` decides by the interval; `build_verification` puts everything that was found into plain
+values; `write_report` makes the page that a person can decide from.
+"""
+
+from mpfcad.report.evidence import Evidence
+from mpfcad.report.page import write_report
+from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
+from mpfcad.report.verification import (
+    CONTRAST_FORMULA,
+    Checks,
+    build_gates,
+    build_verification,
+    describe_luminance,
+    find_difference,
+)
+
+__all__ = [
+    "CONTRAST_FORMULA",
+    "OUTCOMES",
+    "Checks",
+    "Evidence",
+    "Gate",
+    "Outcome",
+    "build_gates",
+    "build_verification",
+    "describe_luminance",
+    "exit_code",
+    "find_difference",
+    "worst_outcome",
+    "write_report",
+]

@@ -1,0 +1,47 @@
+"""What the report shows besides verification.json: the folder, the stack and the film."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import Stack
+from mpfcad.film import PrismFilm
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What was examined.
+
+    Attributes
+    ----------
+    folder
+        where the files are
+    stack
+        the backlight that was traced
+    panel, piece
+        the film over the panel, and what film.step and film.stl hold
+    first_groove
+        groove of the panel that is the first of the piece
+    lamp_position
+        position [mm] on the panel of the lamp that the traced pitch starts at
+    mask_period
+        period of the apertures along the grooves [mm]
+    aperture_ratio
+        (n,) float64 of the piece's grooves, read back from the mask; None without a mask
+    """
+
+    folder: Path
+    stack: Stack
+    panel: PrismFilm
+    piece: PrismFilm
+    first_groove: int
+    lamp_position: float
+    mask_period: float
+    aperture_ratio: NDArray[np.float64] | None
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """Position of the piece's grooves from the lamp's axis, (n,) float64 [mm]."""
+        return self.piece.groove_position + self.piece.origin - self.lamp_position

@@ -1,0 +1,194 @@
+"""The curves of the report, as plotly figures; their ids are fixed so that the bytes are too."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
+FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
+#: Two-sided 95 % of a normal distribution, in standard errors.
+Z95 = 1.96
+#: Positions [pitch] at which the fitted curves are drawn.
+FINE = np.linspace(0, 1, 129)
+#: Curves are drawn anew for the width of a sheet of paper, and for the window afterwards.
+PRINT_SCRIPT = """
+const plots = () => document.querySelectorAll(".plot");
+addEventListener("beforeprint", () => plots().forEach(p => Plotly.relayout(p, {width: 680})));
+addEventListener("afterprint", () => plots().forEach(p => Plotly.relayout(p, {width: null,
+  autosize: true})));
+"""
+_CONFIG = {"displaylogo": False, "responsive": True, "displayModeBar": False}
+
+
+def plotly_script() -> str:
+    """Return plotly.js, to be put into the page once; the page then needs no network."""
+    from plotly.offline import get_plotlyjs
+
+    return get_plotlyjs()
+
+
+def figure_html(figure: "go.Figure", name: str) -> str:
+    """Return a figure as the HTML of a div with the id `name` and the call that fills it."""
+    content = json.loads(figure.to_json())
+    arguments = json.dumps([content["data"], content["layout"], _CONFIG], sort_keys=True)
+    arguments = arguments.replace("</", r"<\/")
+    height = figure.layout.height
+    return (
+        f'<div id="{name}" class="plot" style="height:{height}px"></div>'
+        f'<script>Plotly.newPlot("{name}", ...{arguments});</script>'
+    )
+
+
+def luminance_figure(record: dict[str, Any]) -> "go.Figure":
+    """Return luminance over the pitch: absolute, and each curve over its own mean."""
+    from plotly.subplots import make_subplots
+
+    figure = make_subplots(
+        rows=1,
+        cols=2,
+        horizontal_spacing=0.1,
+        subplot_titles=("normal luminance [cd/m²]", "over its own mean [%]"),
+    )
+    curves = (
+        ("this film", record, FILM_COLOUR, FILM_BAND),
+        ("conventional", record["baseline"], BASE_COLOUR, BASE_BAND),
+    )
+    for name, found, colour, band in curves:
+        curve = found["luminance"]
+        x = np.array(curve["position_pitch"])
+        value = np.array(curve["luminance_cd_m2"])
+        error = Z95 * np.array(curve["standard_error_cd_m2"])
+        fit = _fourier(FINE, found["fit"]["coefficient_cd_m2"])
+        mean = found["mean_luminance_cd_m2"]["value"]
+        dress = (name, colour, band)
+        _add_band(figure, x, value, error, fit, dress, column=1)
+        _add_band(
+            figure,
+            x,
+            (value / mean - 1) * 100,
+            error / mean * 100,
+            (fit / mean - 1) * 100,
+            dress,
+            column=2,
+        )
+    limit = record["gates"][0]["limit"] * 100
+    for sign in (-1, 1):
+        figure.add_hline(sign * limit, line=_line("#777", 1, "dot"), row=1, col=2)
+    figure.update_xaxes(title_text="position [lamp pitch]; lamps at 0 and 1", range=[0, 1])
+    return _styled(figure, 380)
+
+
+def film_figure(
+    position: ArrayLike,
+    curvature: ArrayLike,
+    fitted: ArrayLike,
+    fill: ArrayLike,
+    aperture: ArrayLike | None,
+) -> "go.Figure":
+    """Return curvature [1/mm], fill and aperture ratio over the position [mm], one over another."""
+    from plotly.subplots import make_subplots
+
+    titles = ["curvature C [1/mm]", "fill fraction [%]", "aperture ratio from the mask [%]"]
+    rows = 2 if aperture is None else 3
+    figure = make_subplots(rows=1, cols=rows, horizontal_spacing=0.07, subplot_titles=titles[:rows])
+    curves = [
+        ("C through the tips", curvature, 1, FILM_COLOUR, 1),
+        ("least-squares fit (profiler)", fitted, 1, BASE_COLOUR, 1),
+        ("fill", fill, 100, THIRD_COLOUR, 2),
+        ("aperture", aperture, 100, FILM_COLOUR, 3),
+    ]
+    for name, values, factor, colour, column in curves[: rows + 1]:
+        figure.add_scatter(
+            x=_rounded(position, 4),
+            y=_rounded(np.asarray(values) * factor, 5),
+            name=name,
+            line=_line(colour, 2),
+            showlegend=column == 1,
+            row=1,
+            col=column,
+        )
+    figure.update_xaxes(title_text="from the lamp's axis [mm]")
+    for column in range(2, rows + 1):
+        figure.update_yaxes(rangemode="tozero", row=1, col=column)
+    return _styled(figure, 330)
+
+
+def _fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:
+    """Return mean + Σ a cos 2πhu + b sin 2πhu at positions u in pitches."""
+    value = np.full_like(position, coefficient[0])
+    for h in range(1, len(coefficient) // 2 + 1):
+        angle = 2 * np.pi * h * position
+        value += coefficient[2 * h - 1] * np.cos(angle) + coefficient[2 * h] * np.sin(angle)
+    return value
+
+
+def _add_band(
+    figure: "go.Figure",
+    x: np.ndarray,
+    value: np.ndarray,
+    error: np.ndarray,
+    fit: np.ndarray,
+    dress: tuple[str, str, str],
+    column: int,
+) -> None:
+    """Add points with the band of ± error around them, and the fitted line at `FINE`."""
+    name, colour, band = dress
+    shared = {"row": 1, "col": column, "legendgroup": name, "showlegend": False}
+    figure.add_scatter(
+        x=_rounded(np.concatenate([x, x[::-1]]), 6),
+        y=_rounded(np.concatenate([value + error, (value - error)[::-1]]), 4),
+        fill="toself",
+        fillcolor=band,
+        line={"width": 0},
+        hoverinfo="skip",
+        **shared,
+    )
+    figure.add_scatter(
+        x=_rounded(FINE, 6),
+        y=_rounded(fit, 4),
+        mode="lines",
+        line=_line(colour, 2),
+        hoverinfo="skip",
+        name=name,
+        **(shared | {"showlegend": column == 1}),
+    )
+    figure.add_scatter(
+        x=_rounded(x, 6),
+        y=_rounded(value, 4),
+        error_y={"array": _rounded(error, 4), "visible": False},
+        mode="markers",
+        marker={"size": 5, "color": colour},
+        name=name,
+        **shared,
+    )
+
+
+def _line(colour: str, width: float, dash: str | None = None) -> dict[str, Any]:
+    return {"color": colour, "width": width, "dash": dash}
+
+
+def _rounded(values: ArrayLike, digits: int) -> list[float]:
+    return np.round(np.asarray(values, float), digits).tolist()
+
+
+def _styled(figure: "go.Figure", height: int) -> "go.Figure":
+    """Return the figure in the dress of the page."""
+    figure.update_layout(
+        template="none",
+        paper_bgcolor="rgba(0,0,0,0)",
+        height=height,
+        margin={"l": 60, "r": 20, "t": 40, "b": 80},
+        font={"family": "system-ui, sans-serif", "size": 12, "color": "#222"},
+        legend={"orientation": "h", "y": -0.2, "x": 0.5, "xanchor": "center"},
+        hovermode="x unified",
+    )
+    figure.update_annotations(font_size=13)
+    axis = {"gridcolor": "#e4e4e4", "linecolor": "#999", "mirror": True, "zeroline": False}
+    figure.update_xaxes(title_standoff=6, **axis)
+    figure.update_yaxes(**axis)
+    return figure

@@ -1,0 +1,213 @@
+"""The sections of the report, each a function of what was found."""
+
+from html import escape
+from typing import Any
+
+from mpfcad.report.evidence import Evidence
+from mpfcad.report.figure import figure_html, film_figure, luminance_figure
+from mpfcad.report.groove_drawing import draw_grooves
+from mpfcad.report.mask_drawing import draw_mask
+from mpfcad.report.stack_drawing import draw_stack
+from mpfcad.report.table import fact_table, figure, short, table, with_interval
+from mpfcad.report.wording import gate_row, verdict_words
+
+Record = dict[str, Any]
+
+
+def verdict_section(record: Record) -> str:
+    """Return the banner and a line a gate."""
+    verdict = record["verdict"]
+    banner = f'<div class="banner {verdict}"><b>{verdict}</b>{verdict_words(record)}</div>'
+    head = ("gate", "formula", "value [95 % interval]", "limit", "outcome")
+    rows = [gate_row(gate) for gate in record["gates"]]
+    note = (
+        '<p class="note">A gate with an interval is decided by the interval: PASS when all of it '
+        "is within the limit, MARGINAL when all of it is within the marginal limit, FAIL when none "
+        "of it is, INCONCLUSIVE otherwise. The verdict is the worst gate.</p>"
+    )
+    return banner + table(head, rows) + note
+
+
+def traceability_section(record: Record) -> str:
+    """Return hashes, versions, seed, command, and that the traced file is the shipped one."""
+    provenance = record["provenance"]
+    traced = provenance["traced"]
+    shipped = provenance["sha256"][traced["file"]]
+    same = "the same" if shipped == traced["sha256"] else "NOT the same"
+    hashes = [
+        (escape(n), f'<span class="hash">{h}</span>') for n, h in provenance["sha256"].items()
+    ]
+    inputs = [
+        (escape(name), f'<span class="hash">{value}</span>')
+        for name, value in provenance["inputs_sha256"].items()
+    ]
+    versions = ", ".join(f"{name} {value}" for name, value in provenance["versions"].items())
+    return (
+        f"<p>The ray tracer read <code>{traced['file']}</code> from disk with SHA-256 "
+        f'<span class="hash">{traced["sha256"]}</span>; the file in this export has {same}. Its '
+        "curvature was compared with that of the mask, read back from the mask file.</p>"
+        f"<pre>{escape(provenance['command'])}</pre>"
+        + "<h3>Files of this export (SHA-256)</h3>"
+        + fact_table(hashes)
+        + "<h3>Files it was made from (SHA-256)</h3>"
+        + fact_table(inputs)
+        + fact_table(
+            [
+                ("Seed", str(provenance["seed"])),
+                ("Threads", escape(provenance["threads"])),
+                ("Versions", escape(versions)),
+            ]
+        )
+        + '<p class="note"><code>mpfcad verify</code> on this folder hashes every file and finds '
+        "every figure again from the files, bit for bit.</p>"
+    )
+
+
+def input_section(record: Record, evidence: Evidence) -> str:
+    """Return the drawing of the stack and every input with its tag."""
+    rows = [
+        [
+            f"<code>{escape(entry['name'])}</code>",
+            short(entry["value"], 6),
+            f'<span class="tag {entry["tag"]}">{entry["tag"]}</span>',
+            escape(str(entry["source"])),
+        ]
+        for entry in record["inputs"]
+    ]
+    drawing = figure(
+        draw_stack(evidence.stack),
+        "The stack across the lamps, from the reflector up to the viewer. Sheets and film are "
+        "drawn thicker than they are.",
+    )
+    return drawing + table(("input", "value", "tag", "source"), rows)
+
+
+def film_section(record: Record, evidence: Evidence) -> str:
+    """Return curvature, fill and aperture over the piece."""
+    piece = evidence.piece
+    figures = film_figure(
+        evidence.position,
+        piece.curvature,
+        piece.groove.fitted_curvature(piece.curvature, piece.profile),
+        piece.fill_fraction,
+        evidence.aperture_ratio,
+    )
+    if piece.profile == "ideal":
+        words = (
+            "<p>The profile is the pure parabola, also below the prism's walls. Resin can only be "
+            "added, so this film cannot be printed and has <b>no mask</b>: it needs a mould.</p>"
+        )
+        figures = film_figure(evidence.position, piece.curvature, piece.curvature, [], None)
+        return words + figure(figure_html(figures, "film"), "Curvature of each groove.")
+    caveats = "".join(f"<li>{escape(text)}</li>" for text in record["process"]["caveats"])
+    limit = piece.groove.curvature_empty
+    words = (
+        f"<p>One curvature a groove, C = {piece.curvature.min():.4g} … "
+        f"{piece.curvature.max():.4g} /mm over {piece.groove_count} grooves. The mask's aperture "
+        f"ratio sets the fill, the fill sets the curvature. A groove of C = {limit:g} /mm is "
+        f"empty; above that nothing can be printed.</p>"
+        f"<p>Process: {escape(record['process']['source'])}</p><ul>{caveats}</ul>"
+    )
+    return words + figure(
+        figure_html(figures, "film"),
+        "C of z = z<sub>0</sub> + C/2 · x² through the tips, and the value a profiler's "
+        "least-squares fit reports; fill = resin area / groove area; aperture ratio = open area / "
+        "cell area, as read back from the mask file.",
+    )
+
+
+def mask_section(record: Record, evidence: Evidence) -> str:
+    """Return what the mask files hold, and a window of one."""
+    if record["mask"] is None:
+        return "<p>No mask: an ideal film cannot be printed.</p>"
+    files = record["mask"]["files"]
+    names = list(files)
+    lines = (
+        ("aperture ratio, lowest", "aperture_ratio_min", 5),
+        ("aperture ratio, highest", "aperture_ratio_max", 5),
+        ("largest error of a groove's aperture ratio", "aperture_ratio_error_max", 3),
+        ("apertures", "aperture_count", 4),
+        ("smallest aperture [µm]", "smallest_aperture_um", 5),
+        ("smallest web [µm]", "smallest_web_um", 5),
+        ("width across the grooves [mm]", "width_mm", 7),
+        ("length along the grooves [mm]", "length_mm", 7),
+        ("database unit [µm]", "database_unit_um", 3),
+    )
+    rows = [
+        [label, *("none" if files[n][key] is None else short(files[n][key], digits) for n in names)]
+        for label, key, digits in lines
+    ]
+    middle = evidence.first_groove + evidence.piece.groove_count // 2
+    windows = {"above the lamp": evidence.first_groove, "between the lamps": middle}
+    drawing = draw_mask(evidence.folder / names[0], evidence.panel, windows, evidence.mask_period)
+    return table(("read back from", *names), rows, numeric=range(1, len(names) + 1)) + figure(
+        drawing, "Drawn from the file: blue is open, the lines are the prisms' tips."
+    )
+
+
+def cad_section(record: Record, evidence: Evidence) -> str:
+    """Return what film.step and film.stl hold, and a few grooves in cross-section."""
+    step, mesh, piece = record["step"], record["mesh"], evidence.piece
+    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
+    rows = [
+        ("both: extent", f"{piece.width:.6g} × {piece.length:.6g} × {piece.thickness:.6g} mm, "
+         f"{piece.groove_count} grooves; x = 0 is {piece.origin:.6g} mm from the panel's edge"),
+        ("film.step: bodies", bodies),
+        ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
+        ("film.stl: facets", short(mesh["triangle_count"])),
+        ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
+        ("film.stl: facet normals, rms / largest error", f"{short(mesh['normal_error_deg_rms'], 3)}"
+         f"° / {short(mesh['normal_error_deg_max'], 3)}°"),
+        ("mask against film.stl: largest difference of C",
+         f"{short(record['mask_mesh_curvature_difference_per_mm'], 3)} /mm"),
+    ]  # fmt: skip
+    return fact_table(rows) + figure(
+        draw_grooves(evidence.folder / "film.stl", piece),
+        "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
+        "from film.stl: prism blue, resin yellow. The base goes on below.",
+    )
+
+
+def _energy_rows(here: dict[str, Any], there: dict[str, Any], prefix: str = "") -> list[list[str]]:
+    """Return the rows of two energy balances, those of each element among them."""
+    rows: list[list[str]] = []
+    for key in dict.fromkeys([*here, *there]):
+        label = prefix + key.replace("_", " ")
+        pair = (here.get(key, "–"), there.get(key, "–"))
+        if isinstance(pair[0], dict):
+            rows += _energy_rows(*pair, prefix=label + " ")
+        else:
+            rows.append([escape(label), short(pair[0], 5), short(pair[1], 5)])
+    return rows
+
+
+def luminance_section(record: Record) -> str:
+    """Return luminance over the pitch, against the conventional stack, and the energy balance."""
+    base = record["baseline"]
+    head = ("", "lamp-Mura contrast", "mean normal luminance [cd/m²]", "paths")
+    rows = [
+        [
+            label,
+            with_interval(found["lamp_mura_contrast"], 4),
+            with_interval(found["mean_luminance_cd_m2"], 0),
+            short(found["paths"]),
+        ]
+        for label, found in ((f"<b>{escape(record['name'])}</b>", record), ("conventional", base))
+    ]
+    limit = record["gates"][0]["limit"]
+    caption = (
+        "33 points over one lamp pitch at the panel's middle, with their 95 % band (± 1.96 "
+        "standard errors); the lines are the Fourier series that the contrast is read from, so "
+        "that single noisy points do not widen L<sub>max</sub> − L<sub>min</sub>. Right: "
+        f"L / mean − 1; the dotted lines stand at ± {limit * 100:g} %."
+    )
+    return (
+        figure(figure_html(luminance_figure(record), "luminance"), caption)
+        + table(head, rows, numeric=(1, 2, 3))
+        + "<h3>Energy balance</h3>"
+        + table(
+            ("share of the lamps' light", "this film", "conventional"),
+            _energy_rows(record["energy"], base["energy"]),
+            numeric=(1, 2),
+        )
+    )

@@ -1,0 +1,131 @@
+"""The command line from outside: exit codes, one line an error, and a --help that is instant."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+HEAVY = (
+    "numpy", "scipy", "numba", "pydantic", "plotly", "build123d", "OCP", "trimesh", "klayout",
+    "gdstk", "manifold3d", "shapely", "rich",
+)  # fmt: skip
+
+
+def mpfcad(*arguments, cwd=None, env=None):
+    """Run the command line in its own process."""
+    code = "from mpfcad.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(
+        command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120, check=False
+    )
+
+
+def fails(result, code, *words):
+    """Assert exit code and one line on stderr, besides lines of progress, with all `words`."""
+    assert result.returncode == code, result.stderr
+    lines = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
+    assert len(lines) == 1, result.stderr
+    for word in words:
+        assert word in lines[0]
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys\nfrom mpfcad.cli import run_app\nassert run_app(['--help']) == 0\n"
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)))"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert result.stdout.splitlines()[-1] == "[]", result.stdout + result.stderr
+
+
+def test_help_is_instant():
+    """Median of five under 0.3 s beyond what the interpreter itself needs."""
+
+    def median(*command):
+        times = []
+        for _ in range(5):
+            start = time.perf_counter()
+            subprocess.run([sys.executable, *command], capture_output=True, check=True)
+            times.append(time.perf_counter() - start)
+        return sorted(times)[2]
+
+    own = median("-c", "import sys; sys.argv[1:] = ['--help']; from mpfcad.cli import main; main()")
+    assert own - median("-c", "pass") < 0.3
+
+
+@pytest.mark.parametrize(
+    "command", ["run", "mask", "cad", "trace", "verify", "stacks", "init", "--help"]
+)
+def test_every_subcommand_has_help(command):
+    result = mpfcad(command, "--help")
+    assert result.returncode == 0
+    assert "Usage: mpfcad" in result.stdout
+
+
+def test_version():
+    from mpfcad import __version__
+
+    assert mpfcad("--version").stdout == f"mpfcad {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--bogus"], "--bogus"),
+        (["bogus"], "bogus"),
+        (["run"], "JOB.toml"),
+        (["run", "job.toml", "--effort", "slow"], "--effort"),
+        (["run", "job.toml", "--threads", "0"], "--threads"),
+        (["mask", "job.toml", "--format", "oas,pdf"], "--format: pdf: must be of oas, gds"),
+        (["cad", "job.toml", "--format", ","], "--format: ','"),
+        (["run", "nothing.toml"], "nothing.toml: cannot be read"),
+        (["trace", "nothing.stl"], "nothing.stl: no such file"),
+        (["verify", "nothing"], "nothing: no such folder"),
+    ],
+)
+def test_bad_usage_is_one_line_and_exit_2(tmp_path, arguments, words):
+    fails(mpfcad(*arguments, cwd=tmp_path), 2, words)
+    assert not list(tmp_path.iterdir())
+
+
+def test_init_writes_a_job_once(tmp_path):
+    assert mpfcad("init", "my.toml", cwd=tmp_path).returncode == 0
+    written = (tmp_path / "my.toml").read_text()
+    fails(mpfcad("init", "my.toml", cwd=tmp_path), 2, "my.toml: exists")
+    assert (tmp_path / "my.toml").read_text() == written
+
+
+@pytest.mark.parametrize(
+    ("map_table", "words"),
+    [
+        ("curvature_per_mm = 90.0", "map.curvature_per_mm: 90: not printable"),
+        ("curvature_per_mm = 0.06", "1/µm"),
+        ('file = "gone.csv"', "gone.csv: no such file"),
+        ('file = "bad.csv"', "bad.csv: row 3: "),
+    ],
+)
+def test_bad_map_is_one_line_exit_2_and_nothing_is_written(tmp_path, map_table, words):
+    (tmp_path / "job.toml").write_text(f'name = "bad"\n[map]\n{map_table}\n')
+    (tmp_path / "bad.csv").write_text("position_mm,curvature_per_mm\n0,60\n1,nan\n32.69,60\n")
+    before = sorted(path.name for path in tmp_path.iterdir())
+    fails(mpfcad("run", "job.toml", cwd=tmp_path), 2, words)
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+def test_traceback_only_when_asked(tmp_path):
+    assert "Traceback" not in mpfcad("run", "nothing.toml", cwd=tmp_path).stderr
+    assert "Traceback" in mpfcad("--debug", "run", "nothing.toml", cwd=tmp_path).stderr
+
+
+def test_any_other_error_is_one_line_and_exit_3(monkeypatch, capsys):
+    import mpfcad.job
+    from mpfcad.cli import run_app
+    from mpfcad.errors import ExportError
+
+    def broken(_):
+        raise ExportError("film.stl: two\nlines")
+
+    monkeypatch.setattr(mpfcad.job, "read_job", broken)
+    assert run_app(["run", "job.toml"]) == 3
+    assert capsys.readouterr().err == "mpfcad: ExportError: film.stl: two lines\n"

@@ -1,0 +1,171 @@
+"""What the tracer's tests share: small film meshes on disk, and single paths through the kernels."""
+
+from pathlib import Path
+
+import numpy as np
+from numba import njit, uint64
+
+from mpfcad.optics.engine import trace_path
+from mpfcad.optics.film import film_passage
+from mpfcad.optics.mesh import FilmMesh, read_film_mesh
+from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
+from mpfcad.optics.sheet import sheet_passage
+from mpfcad.optics.slab import slab_passage
+
+PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
+
+#: The films of the reference figures [mm]: 150 µm below the valleys, tips 25 µm above them.
+BARE = (np.array([-HALF, 0.0, HALF]), np.array([DEPTH, 0.0, DEPTH]))
+_BOW = np.linspace(-0.04 / 3, 0.04 / 3, 23)
+CONCAVE = (np.r_[-HALF, _BOW, HALF], np.r_[DEPTH, 0.008 + 30 * _BOW**2, DEPTH])
+
+
+def groove(curvature: float, profile: str = "filled", chords: int = 24):
+    """Return (x, z) of a groove whose parabola has C [1/mm] through the tips, x from -w to w."""
+    contact = HALF
+    if profile == "filled":
+        contact = min(HALF, max(0.0, 2 / max(curvature, 1e-9) - HALF))
+    if contact < 1e-7:
+        return BARE
+    x = np.linspace(-contact, contact, chords + 1)
+    z = DEPTH - curvature / 2 * (HALF - x) * (HALF + x)
+    if contact < HALF:
+        x, z = np.r_[-HALF, x, HALF], np.r_[DEPTH, z, DEPTH]
+    return x, z
+
+
+def row(grooves, base: float):
+    """Return (x, z) of grooves side by side on a base, from x = 0."""
+    x = [g[0][:-1] + HALF + i * PITCH for i, g in enumerate(grooves)]
+    z = [g[1][:-1] + base for g in grooves]
+    return np.r_[np.concatenate(x), len(grooves) * PITCH], np.r_[np.concatenate(z), base + DEPTH]
+
+
+def extruded(x, z, length: float) -> np.ndarray:
+    """Return the facets (n, 3, 3) of the solid under the polyline z(x), drawn along y."""
+    n = len(x)
+    points = np.array([[(a, y, b) for a, b in zip(x, z, strict=True)] for y in (0.0, length)])
+    ground = points * (1.0, 1.0, 0.0)
+    facets = []
+
+    def quad(a, b, c, d):
+        facets.extend([(a, b, c), (a, c, d)])
+
+    for i in range(n - 1):
+        (p, q), (r, s) = points[:, i], points[:, i + 1]
+        (e, f), (g, h) = ground[:, i], ground[:, i + 1]
+        quad(p, r, s, q)
+        quad(e, f, h, g)
+        quad(e, g, r, p)
+        quad(f, q, s, h)
+    quad(ground[0, 0], points[0, 0], points[1, 0], ground[1, 0])
+    quad(ground[0, -1], ground[1, -1], points[1, -1], points[0, -1])
+    return np.array(facets)
+
+
+def write_facets(path: Path, facets) -> Path:
+    """Write a binary STL; no normals, as readers must not need them."""
+    facets = np.asarray(facets, "<f4")
+    record = np.zeros(len(facets), [("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
+    record["v"] = facets
+    path.write_bytes(b" " * 80 + np.uint32(len(facets)).tobytes() + record.tobytes())
+    return path
+
+
+def film_file(path: Path, grooves, base: float = 0.15, length: float = 0.1) -> Path:
+    """Write a tile of grooves."""
+    return write_facets(path, extruded(*row(grooves, base), length))
+
+
+def film_mesh(folder: Path, grooves, base: float = 0.15, length: float = 0.1) -> FilmMesh:
+    """Return a tile of grooves, read from disk as the tracer reads it."""
+    return read_film_mesh(film_file(folder / "film.stl", grooves, base, length))
+
+
+def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: float = 0.15):
+    """Return a tile that is no extrusion: four pyramids of different height on a base."""
+    cells = 2
+    side = size / cells
+    facets = []
+    for i in range(cells):
+        for j in range(cells):
+            corner = [
+                ((i + a) * side, (j + b) * side, base) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))
+            ]
+            top = ((i + 0.5) * side, (j + 0.45) * side, base + height * (1 - 0.2 * (i + 2 * j)))
+            facets += [(corner[k], corner[(k + 1) % 4], top) for k in range(4)]
+    ground = [(a, b, 0.0) for a, b in ((0, 0), (size, 0), (size, size), (0, size))]
+    # Underside and sides with the top's edge vertices, so that every edge has one partner.
+    steps = np.linspace(0, size, cells + 1)
+    rim = [(s, 0.0) for s in steps[:-1]] + [(size, s) for s in steps[:-1]]
+    rim += [(s, size) for s in steps[:0:-1]] + [(0.0, s) for s in steps[:0:-1]]
+    centre = (size / 2, size / 2, 0.0)
+    for a, b in zip(rim, rim[1:] + rim[:1], strict=True):
+        p, q = (*a, 0.0), (*b, 0.0)
+        r, s = (*a, base), (*b, base)
+        facets += [(centre, q, p), (p, q, s), (p, s, r)]
+    assert ground
+    return read_film_mesh(write_facets(folder / "crossed.stl", facets))
+
+
+@njit(cache=True)
+def single_paths(scene, source, point, seed, first, out, flow):
+    """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    for i in range(len(out)):
+        start_path(rng, uint64(seed), uint64(source.kind), uint64(first + i))
+        out[i] = trace_path(scene, source, point, flow, rng)
+
+
+@njit(cache=True)
+def pass_layers(scene, enter_below, seed, out):
+    """Send Lambertian light into a scene without cavity; out (n, 4): way, kx, ky, weight."""
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    count = len(scene.kind)
+    for i in range(len(out)):
+        start_path(rng, uint64(seed), uint64(7), uint64(i))
+        dx, dy = disk(rng)
+        dz = np.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
+        x, y = 0.37 * scene.tile.width, 0.41 * scene.tile.length
+        shift_x, shift_y = disk(rng)
+        x, y = x + 7.0 * shift_x, y + 7.0 * shift_y
+        up, e, weight = True, 0, 1.0
+        if not enter_below:
+            up, e, dz = False, count - 1, -dz
+        while 0 <= e < count:
+            way = 1
+            p = scene.parameter[e]
+            if scene.kind[e] == 1:
+                way, x, y, dx, dy, dz, kept = slab_passage(p, up, x, y, dx, dy, dz, rng)
+                weight *= kept
+            elif scene.kind[e] == 2:
+                passed, dx, dy, dz = sheet_passage(p[0], p[1], dx, dy, dz, rng)
+                weight *= p[2]
+                way = 1 if passed == up else -1
+            else:
+                way, x, y, dx, dy, dz = film_passage(
+                    scene.tile, p[0], p[1], p[2], up, x, y, dx, dy, dz, rng
+                )
+            if way == 0:
+                break
+            up = way > 0
+            e += way
+        out[i, 0] = 0.0 if 0 <= e < count else (1.0 if up else -1.0)
+        out[i, 1], out[i, 2], out[i, 3] = dx, dy, weight
+
+
+@njit(cache=True)
+def pass_film(tile, index, up, start, seed, out):
+    """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    for i in range(len(start)):
+        start_path(rng, uint64(seed), uint64(8), uint64(i))
+        x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
+        way, x, y, dx, dy, dz = film_passage(tile, index, 1.0, 0.0, up, x, y, dx, dy, dz, rng)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
+
+
+def within(value, expected, error, sigmas: float, what: str = "") -> None:
+    """Assert that a figure lies within a number of its standard errors."""
+    away = np.abs(np.asarray(value) - expected) / error
+    assert np.max(away) <= sigmas, f"{what}: {value} against {expected}: {np.max(away):.1f} sigma"

@@ -1,0 +1,112 @@
+"""Imports point down only, no cycles, and each module can be imported alone."""
+
+import ast
+import os
+import sys
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import mpfcad
+
+ROOT = Path(mpfcad.__file__).parent
+FLOOR = {
+    "mpfcad": 0,
+    "units": 0,
+    "errors": 0,
+    "film": 1,
+    "mask": 2,
+    "cad": 2,
+    "optics": 2,
+    "backlight": 3,
+    "measure": 4,
+    "design": 5,
+    "export": 6,
+    "report": 6,
+    "job": 7,
+    "pipeline": 8,
+    "cli": 9,
+}
+#: Rooms that must not see each other although one of them is not above the other.
+APART = {"optics": {"film", "mask", "cad"}, "mask": {"cad"}, "cad": {"mask"}}
+MODULES = sorted(
+    ".".join(("mpfcad", *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__")
+    for path in ROOT.rglob("*.py")
+)
+
+
+def source_of(module):
+    path = ROOT.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+def imports_of(module, *, at_import):
+    """Return the mpfcad modules that `module` imports; `at_import`: only while it is imported."""
+    tree = ast.parse(source_of(module).read_text("utf-8"))
+    if at_import:
+        skipped = ast.FunctionDef | ast.AsyncFunctionDef
+        pending, nodes = [tree], []
+        while pending:
+            node = pending.pop()
+            if isinstance(node, skipped) or (
+                isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+            ):
+                continue
+            nodes.append(node)
+            pending.extend(ast.iter_child_nodes(node))
+    else:
+        nodes = list(ast.walk(tree))
+    found = set()
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}: relative import"
+            inner = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in MODULES else node.module for name in inner}
+    return {name for name in found if name.split(".")[0] == "mpfcad"}
+
+
+def room(module):
+    return module.split(".")[1] if "." in module else "mpfcad"
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_point_down(module):
+    here = room(module)
+    for name in imports_of(module, at_import=False):
+        there = room(name)
+        assert there == here or FLOOR[there] < FLOOR[here], f"{module} imports {name}"
+        assert there not in APART.get(here, ()), f"{module} imports {name}"
+
+
+def test_no_cycles():
+    graph = {}
+    for module in MODULES:
+        names = imports_of(module, at_import=True) - {module}
+        # `mpfcad.x` imported from one of its own files only names the folder.
+        graph[module] = {name for name in names if not module.startswith(name + ".")}
+    list(TopologicalSorter(graph).static_order())
+
+
+def test_each_module_imports_alone():
+    import numba  # noqa: F401 (shared by all children, so that each is quick)
+    import pydantic  # noqa: F401
+    import typer  # noqa: F401
+
+    failed = []
+    for module in MODULES:
+        child = os.fork()
+        if child == 0:
+            for name in [name for name in sys.modules if name.split(".")[0] == "mpfcad"]:
+                del sys.modules[name]
+            try:
+                __import__(module)
+            except BaseException as error:
+                print(f"{module}: {error!r}", file=sys.__stderr__)
+                os._exit(1)
+            os._exit(0)
+        if os.waitpid(child, 0)[1] != 0:
+            failed.append(module)
+    assert not failed

@@ -1,0 +1,241 @@
+"""The main job end to end with a short trace: same bytes again, verified, changes found."""
+
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mpfcad.cli import run_app
+from mpfcad.errors import ExportError
+from mpfcad.job import read_job
+from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+
+MASKS = Path(__file__).parents[1] / "masks"
+FILES = [
+    "curvature.csv",
+    "film.step",
+    "film.stl",
+    "manifest.json",
+    "mask.gds",
+    "mask.oas",
+    "report.html",
+    "verification.json",
+]
+SHORT = TraceSetting(half_width_goal=1.0, path_limit=100_000)
+
+
+#: A narrow panel with lamps close together, so that its files are quickly made.
+SMALL = (
+    'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
+    "lamp_count = 5\nlamp_pitch_mm = 8.0\n"
+)
+
+
+@pytest.fixture(scope="module")
+def short_trace():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(TRACE_SETTINGS, "quick", SHORT)
+        yield
+
+
+def run(out, threads, name="patterned-16mm"):
+    job_file = MASKS / f"{name}.toml"
+    return run_job(read_job(job_file), job_file, out, effort="quick", threads=threads)
+
+
+@pytest.fixture(scope="module")
+def export(tmp_path_factory, short_trace):
+    out = tmp_path_factory.mktemp("exports") / "patterned-16mm"
+    run(out, 1)
+    return out
+
+
+@pytest.fixture
+def copy(export, tmp_path):
+    return shutil.copytree(export, tmp_path / "copy")
+
+
+def test_export_holds_its_files_and_nothing_else_is_left(export):
+    assert sorted(path.name for path in export.iterdir()) == FILES
+    assert [path.name for path in export.parent.iterdir()] == ["patterned-16mm"]
+
+
+def test_same_bytes_again_at_another_thread_count(export, tmp_path):
+    run(tmp_path / "again", 2)
+    for name in FILES:
+        assert (tmp_path / "again" / name).read_bytes() == (export / name).read_bytes(), name
+
+
+def test_verify_finds_the_same_figures(export):
+    stored = json.loads((export / "verification.json").read_text())
+    assert verify_export(export, threads=2) == stored
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_one_changed_byte_fails_at_once_and_names_the_file(copy, name, capsys, monkeypatch):
+    import mpfcad.pipeline.examine
+
+    monkeypatch.delattr(mpfcad.pipeline.examine, "examine")
+    path = copy / name
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    assert run_app(["verify", str(copy)]) == 1
+    error = [line for line in capsys.readouterr().err.splitlines() if line.startswith("mpfcad: ")]
+    assert len(error) == 1
+    assert name in error[0]
+
+
+def test_verification_document_holds_what_its_schema_says(export):
+    record = json.loads((export / "verification.json").read_text())
+    assert record["schema"] == 1
+    assert {len(values) for values in record["luminance"].values()} == {33}
+    curve = record["luminance"]
+    assert curve["position_pitch"] == [i / 32 for i in range(33)]
+    assert record["mask"]["aperture_ratio_error_max"] < 0.001
+    assert record["mesh"]["watertight"] is True
+    assert record["energy"]["lost"] == 0
+    assert {entry["tag"] for entry in record["inputs"]} == {"given", "sourced", "assumed"}
+    assert record["provenance"]["traced"]["sha256"] == record["provenance"]["sha256"]["film.stl"]
+    assert record["provenance"]["command"] == "mpfcad run patterned-16mm.toml --effort quick"
+    assert [gate["outcome"] for gate in record["gates"][1:]] == ["PASS"] * 10
+
+
+def test_verification_document_is_documented(export):
+    text = (MASKS.parent / "docs" / "verification.md").read_text()
+    record = json.loads((export / "verification.json").read_text())
+    for key in [*record, *record["provenance"], *record["job"]]:
+        assert f"`{key}`" in text, key
+    for gate in record["gates"]:
+        assert f"`{gate['name']}`" in text, gate["name"]
+
+
+def test_export_names_neither_time_nor_place(export):
+    for name in ("verification.json", "manifest.json"):
+        text = (export / name).read_text()
+        assert str(export.parent) not in text
+        assert not re.search(r"\b20\d\d-\d\d-\d\d", text), name
+        assert '"/' not in text
+
+
+class Page(HTMLParser):
+    """Collects what a page refers to, its ids, and whether its tags match."""
+
+    VOID = ("meta", "br", "rect", "polygon", "polyline", "line", "circle", "path", "img", "link")
+
+    def __init__(self):
+        super().__init__()
+        self.references, self.ids, self.open = [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name in ("src", "href"):
+                self.references.append(value)
+            if name == "id":
+                self.ids.append(value)
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+
+def test_report_is_self_contained_and_well_formed(export):
+    page = Page()
+    text = (export / "report.html").read_text()
+    page.feed(text)
+    assert page.open == []
+    assert page.references == []
+    assert page.ids == ["film", "luminance"]
+    record = json.loads((export / "verification.json").read_text())
+    assert f'<div class="banner {record["verdict"]}">' in text
+    for digest in record["provenance"]["sha256"].values():
+        assert digest in text
+
+
+def small_job(folder, text):
+    """Write a job on a small panel and return its path."""
+    (folder / "small.toml").write_text(SMALL)
+    job = folder / "job.toml"
+    job.write_text(f'{text}[cad]\nlength_mm = 0.5\n[stack]\nfile = "small.toml"\n')
+    return job
+
+
+def test_ideal_film_has_no_mask_and_says_so(tmp_path, short_trace):
+    text = 'name = "ideal"\n[map]\ncurvature_per_mm = 60.0\n[film]\nprofile = "ideal"\n'
+    job = small_job(tmp_path, text)
+    out = tmp_path / "out"
+    record = run_job(read_job(job), job, out, effort="quick", threads=2)
+    assert record["mask"] is None
+    assert sorted(path.name for path in out.iterdir()) == [n for n in FILES if "mask" not in n]
+    assert "no mask" in (out / "report.html").read_text()
+    assert run_app(["mask", str(job), "--out", str(tmp_path / "m")]) == 2
+    assert not (tmp_path / "m").exists()
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory, short_trace):
+    """Return an export of a job with its own stack and calibration, whose files are deleted."""
+    folder = tmp_path_factory.mktemp("own")
+    shutil.copy(MASKS / "process-thesis.toml", folder / "p.toml")
+    text = 'name = "own"\n[map]\ncurvature_per_mm = 58.0\n[process]\ncalibration = "p.toml"\n'
+    job = small_job(folder, text)
+    run_job(read_job(job), job, folder / "out", effort="quick", threads=2)
+    for path in folder.glob("*.toml"):
+        path.unlink()
+    return folder / "out"
+
+
+def test_own_stack_and_calibration_travel_with_the_export(own):
+    record = json.loads((own / "verification.json").read_text())
+    assert sorted(record["provenance"]["inputs_sha256"]) == ["job.toml", "p.toml", "small.toml"]
+    assert verify_export(own) == record
+
+
+def test_figure_changed_together_with_its_hashes_is_found(own):
+    from mpfcad.export import canonical_json, write_manifest
+
+    path = own / "verification.json"
+    record = json.loads(path.read_text())
+    values = record["luminance"]["luminance_cd_m2"]
+    values[3] = float(np.nextafter(values[3], np.inf))
+    path.write_text(canonical_json(record))
+    write_manifest(own, record["name"], "run")
+    with pytest.raises(ExportError, match=r"verification.json: luminance.luminance_cd_m2\[3\]"):
+        verify_export(own)
+
+
+def test_empty_film_is_a_bef_without_apertures(tmp_path, short_trace):
+    job = small_job(tmp_path, 'name = "bef"\n[map]\ncurvature_per_mm = 80.0\n')
+    record = run_job(read_job(job), job, tmp_path / "out", effort="quick", threads=2)
+    assert record["mask"]["files"]["mask.oas"]["aperture_count"] == 0
+    assert list(record["step"]["bodies_volume_mm3"]) == ["BEF"]
+    assert record["mask_mesh_curvature_difference_per_mm"] < 0.01
+
+
+@pytest.mark.parametrize(("command", "kind"), [("mask", "oas"), ("cad", "stl")])
+def test_single_steps_write_only_what_was_asked(tmp_path, command, kind, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    job = MASKS / "uniform-c60.toml"
+    assert run_app([command, str(job), "--format", kind]) == 0
+    folder = tmp_path / "exports" / f"uniform-c60-{command}"
+    made = {"mask": "mask.oas", "cad": "film.stl"}[command]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(
+        ["curvature.csv", "manifest.json", made]
+    )
+    # An export with a verdict is never replaced by a part of it, nor the other way round.
+    assert run_app(["run", str(job), "--out", str(folder)]) == 2
+
+
+def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
+    stored = json.loads((export / "verification.json").read_text())
+    offset = repr(stored["provenance"]["traced"]["offset_mm"])
+    options = ["--thickness-mm", "16", "--offset-mm", offset, "--effort", "quick", "--json"]
+    assert run_app(["trace", str(export / "film.stl"), *options]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["luminance"] == stored["luminance"]
