@@ -25,7 +25,7 @@ def available_threads() -> int:
 
 
 TRACE_SETTINGS = {
-    "quick": TraceSetting(half_width_goal=0.004, path_limit=2_000_000),
+    "quick": TraceSetting(half_width_goal=0.004, path_limit=4_000_000),
     "standard": TraceSetting(half_width_goal=0.002, path_limit=40_000_000),
     "final": TraceSetting(half_width_goal=0.0007, path_limit=400_000_000),
 }

@@ -42,6 +42,15 @@ class Evidence:
     aperture_ratio: NDArray[np.float64] | None
 
     @property
+    def shown_groove(self) -> dict[str, int]:
+        """Where the drawings look: title -> groove of the piece, above a lamp and between two."""
+        pitch, last = self.piece.groove.pitch, self.piece.groove_count - 1
+        lamp = (self.lamp_position - self.piece.origin) / pitch
+        between = lamp + self.stack.lamp_pitch / 2 / pitch
+        places = {"above the lamp": lamp, "between the lamps": between}
+        return {title: min(max(round(at), 0), last) for title, at in places.items()}
+
+    @property
     def position(self) -> NDArray[np.float64]:
         """Position of the piece's grooves from the lamp's axis, (n,) float64 [mm]."""
         return self.piece.groove_position + self.piece.origin - self.lamp_position

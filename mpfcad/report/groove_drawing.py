@@ -17,13 +17,11 @@ RESIN = 'fill="#f2c572" stroke="none"'
 SURFACE = 'stroke="#0b3d66" stroke-width="1.6"'
 
 
-def draw_grooves(mesh: Path, film: PrismFilm) -> str:
-    """Return the SVG of three grooves above the lamp and three between the lamps."""
+def draw_grooves(mesh: Path, film: PrismFilm, places: dict[str, int]) -> str:
+    """Return the SVG of three grooves from each of `places` on (title -> groove of the film)."""
     corner = _section(mesh)
-    groups = [("first grooves of the piece (above the lamp)", 0)]
-    middle = max(film.groove_count // 2 - 1, 0)
-    if middle > GROUP:
-        groups.append(("middle of the piece (between the lamps)", middle))
+    most = max(film.groove_count - GROUP, 0)
+    groups = [(f"{title}, groove {at} on", min(at, most)) for title, at in places.items()]
     width = GROUP * film.groove.pitch * SCALE
     height = (film.groove.depth + BASE_SHOWN) * SCALE
     parts = []

@@ -137,8 +137,8 @@ def mask_section(record: Record, evidence: Evidence) -> str:
         [label, *("none" if files[n][key] is None else short(files[n][key], digits) for n in names)]
         for label, key, digits in lines
     ]
-    middle = evidence.first_groove + evidence.piece.groove_count // 2
-    windows = {"above the lamp": evidence.first_groove, "between the lamps": middle}
+    shown = evidence.shown_groove.items()
+    windows = {title: evidence.first_groove + groove for title, groove in shown}
     drawing = draw_mask(evidence.folder / names[0], evidence.panel, windows, evidence.mask_period)
     return table(("read back from", *names), rows, numeric=range(1, len(names) + 1)) + figure(
         drawing, "Drawn from the file: blue is open, the lines are the prisms' tips."
@@ -162,7 +162,7 @@ def cad_section(record: Record, evidence: Evidence) -> str:
          f"{short(record['mask_mesh_curvature_difference_per_mm'], 3)} /mm"),
     ]  # fmt: skip
     return fact_table(rows) + figure(
-        draw_grooves(evidence.folder / "film.stl", piece),
+        draw_grooves(evidence.folder / "film.stl", piece, evidence.shown_groove),
         "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
         "from film.stl: prism blue, resin yellow. The base goes on below.",
     )
