@@ -10,7 +10,7 @@ class MpfcadError(Exception):
 
 
 class InputError(MpfcadError):
-    """A file, field or row that the user gave is wrong; the text names it, its value and the range."""
+    """A file, field or row of the user's is wrong; the text names it, its value and the range."""
 
 
 class GeometryError(MpfcadError):

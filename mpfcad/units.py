@@ -1,4 +1,4 @@
-"""One conversion table: lengths are mm and angles rad inside, and a name's suffix tells its unit outside.
+"""One conversion table: mm and rad inside; outside, a name's suffix tells its unit.
 
 Inside the package a quantity has no suffix. At the boundary (TOML, CSV, JSON, command line) every
 name carries one of `SUFFIXES`, and `from_suffix` turns the outside value into the inside one.

@@ -1,7 +1,8 @@
 """The backlight around the film: lamps, reflector, plate, sheets, and the slot for the film.
 
-A `Stack` is a list of layers from the lamps up and a table of numbers, each tagged `given`, `sourced` or
-`assumed`. Presets live as TOML files in `preset/`; `read_stack` reads them and the user's own.
+A `Stack` is a list of layers from the lamps up and a table of numbers, each tagged `given`,
+`sourced` or `assumed`. Presets live as TOML files in `preset/`; `read_stack` reads them and the
+user's own.
 """
 
 from mpfcad.backlight.reader import list_stacks, read_stack

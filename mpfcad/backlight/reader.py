@@ -41,7 +41,7 @@ def read_stack(
         quantity[key] = _quantity(f"{where}: stack.override", key, value)
     missing = [key for key in RANGES if key not in quantity]
     if missing:
-        raise InputError(f"{where}: value.{missing[0]}: missing; extend a preset or give all values")
+        raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
     _check_layers(where, layers)
     stack = Stack(Path(where).stem, title, tuple(layers), quantity)
     _check_fits(where, stack)
@@ -127,10 +127,12 @@ def _check_layers(where: str, layers: object) -> None:
 
 
 def _check_fits(where: str, stack: Stack) -> None:
-    """Raise unless the lamps fit between reflector and plate, beside each other and on the panel."""
+    """Raise unless the lamps fit under the plate, beside each other and on the panel."""
     radius, height = stack["lamp_radius_mm"], stack["lamp_height_mm"]
     if height < radius:
-        raise InputError(f"{where}: lamp_height_mm: {height:g}: must be at least the radius {radius:g}")
+        raise InputError(
+            f"{where}: lamp_height_mm: {height:g}: must be at least the radius {radius:g}"
+        )
     if stack.thickness <= height + radius:
         raise InputError(
             f"{where}: thickness_mm: {stack.thickness:g}: must be above the lamps' tops at "

@@ -165,9 +165,7 @@ class Stack:
 
     def _sheet(self, layer: str) -> Sheet:
         name = layer.replace("_", " ")
-        return Sheet(
-            self[f"{layer}_sigma"], self["sheet_index"], self["sheet_transmission"], name
-        )
+        return Sheet(self[f"{layer}_sigma"], self["sheet_index"], self["sheet_transmission"], name)
 
     @property
     def acceptance(self) -> float:

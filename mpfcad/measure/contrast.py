@@ -1,10 +1,10 @@
 """Lamp-Mura contrast from noisy luminances, without the bias of a noisy maximum and minimum.
 
 Contrast is (Lmax - Lmin)/(Lmax + Lmin) over one lamp pitch (Hsieh, MPF thesis, eq. 10). Maximum and
-minimum of 33 noisy points overstate it by about two standard errors. Here the curve is a Fourier series of
-the pitch fitted to all points; what bias is left in the fitted curve's contrast is taken out by asking
-which amplitude of that same curve, with noise of the fit's covariance added, gives the contrast read as
-its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval).
+minimum of 33 noisy points overstate it by about two standard errors. Here the curve is a Fourier
+series of the pitch fitted to all points; what bias is left in the fitted curve's contrast is taken
+out by asking which amplitude of that same curve, with noise of the fit's covariance added, gives
+the contrast read as its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval).
 """
 
 from dataclasses import dataclass

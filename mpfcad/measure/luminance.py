@@ -32,7 +32,8 @@ class LuminanceResult:
     contrast, mean_luminance
         lamp-Mura contrast; mean [cd/m²] over the pitch
     energy
-        shares of the lamps' light from a forward trace: in = 1, out, absorbed (and by element), lost
+        shares of the lamps' light from a forward trace: in = 1, out, absorbed (and by element),
+        lost
     paths
         backward paths traced
     accelerator
@@ -65,7 +66,8 @@ def luminance_over_pitch(
 
     Traces rounds of paths until the 95 % half-width of the contrast reaches `half_width_goal` or
     `path_limit` paths are traced. `offset` [mm] is the film tile's left edge from a lamp's axis.
-    `progress(paths, half_width)` is called after each round. The result does not depend on `threads`.
+    `progress(paths, half_width)` is called after each round. The result does not depend on
+    `threads`.
 
     Raises
     ------

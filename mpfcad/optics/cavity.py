@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import disk, turn, uniform
 
 LAMP, REFLECTOR, OPENING, LOST = range(4)
@@ -12,13 +11,13 @@ LAMP, REFLECTOR, OPENING, LOST = range(4)
 NO_LAMP = -(2**40)
 
 
-@njit
+@kernel
 def lamp_hit(x, z, dx, dz, pitch, position, height, radius, own):
     """Return (distance, centre x, number) of the first lamp a ray meets, or (inf, 0, 0).
 
-    Lamps are cylinders along y of `radius`, axes at z = `height`, x = `position` + i·`pitch`. `own` is
-    the number i of the lamp that the ray starts on, which as a convex body it cannot meet again, or
-    `NO_LAMP`. (x, z) and (dx, dz) are the ray's components across.
+    Lamps are cylinders along y of `radius`, axes at z = `height`, x = `position` + i·`pitch`. `own`
+    is the number i of the lamp that the ray starts on, which as a convex body it cannot meet again,
+    or `NO_LAMP`. (x, z) and (dx, dz) are the ray's components across.
     """
     along = dx * dx + dz * dz
     if along == 0.0:
@@ -62,7 +61,7 @@ def lamp_hit(x, z, dx, dz, pitch, position, height, radius, own):
     return math.inf, 0.0, 0
 
 
-@njit
+@kernel
 def cavity_hit(parameter, x, y, z, dx, dy, dz, own):
     """Return what a ray in the cavity meets: (what, x, y, z, lamp number, lamp centre x)."""
     top = parameter[0]
@@ -83,7 +82,7 @@ def cavity_hit(parameter, x, y, z, dx, dy, dz, own):
     return REFLECTOR, x, y, 0.0, 0, 0.0
 
 
-@njit
+@kernel
 def lambertian(nx, ny, nz, rng):
     """Return a direction drawn with the cosine to the normal n as density."""
     px, py = disk(rng)
@@ -91,7 +90,7 @@ def lambertian(nx, ny, nz, rng):
     return turn(nx, ny, nz, cosine, math.atan2(py, px))
 
 
-@njit
+@kernel
 def reflector_direction(specular_fraction, dx, dy, dz, rng):
     """Return the direction after the reflector: mirrored or Lambertian."""
     if uniform(rng) < specular_fraction:

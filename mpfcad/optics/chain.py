@@ -1,17 +1,18 @@
 """Extruded films as a chain of segments in the cross-section: a ray walks from segment to segment.
 
-Where the top is a polyline z(x) drawn along y, the next hit lies on the segment's neighbours, so no tree
-is searched. Whether the ray passes above or below a vertex is decided once a vertex, by the same
-expression for both segments that meet there: a ray cannot slip between them, and no offset is needed.
+Where the top is a polyline z(x) drawn along y, the next hit lies on the segment's neighbours, so no
+tree is searched. Whether the ray passes above or below a vertex is decided once a vertex, by the
+same expression for both segments that meet there: a ray cannot slip between them, and no offset is
+needed.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 
 
@@ -36,7 +37,7 @@ class Chain(NamedTuple):
 
 
 def build_chain(mesh: FilmMesh) -> Chain | None:
-    """Return the chain of an extruded film mesh, or None where the mesh is not one drawn along y."""
+    """Return the chain of a film mesh, or None where it is not one drawn along y."""
     vertex = mesh.vertex[np.unique(mesh.top)]
     length = mesh.size[1]
     if not np.isin(vertex[:, 1], (0.0, length)).all():
@@ -61,7 +62,7 @@ def _facets_span_one_segment(mesh: FilmMesh, x: NDArray[np.float64]) -> bool:
     return bool((place.max(axis=1) - place.min(axis=1) == 1).all())
 
 
-@njit
+@kernel
 def _segment_at(chain, width, x):
     """Return the segment over x in [0, width)."""
     cell = min(len(chain.first) - 1, max(0, int(x / width * len(chain.first))))
@@ -73,14 +74,14 @@ def _segment_at(chain, width, x):
     return k
 
 
-@njit
+@kernel
 def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside):
     """Return the next segment that a ray meets: (segment or -1, distance, x, z, shift).
 
-    The ray starts at (x, z) [mm], inside or outside the film, with x in [0, width]; `k` is the segment
-    it starts on, or -1 when it starts below the lowest (inside) or above the highest point (outside);
-    low, high: lowest and highest z of the top. `shift` [mm] is what to add to x to be in the same
-    coordinates as before; segment -1: it leaves the zone of the top without a hit.
+    The ray starts at (x, z) [mm], inside or outside the film, with x in [0, width]; `k` is the
+    segment it starts on, or -1 when it starts below the lowest (inside) or above the highest point
+    (outside); low, high: lowest and highest z of the top. `shift` [mm] is what to add to x to be in
+    the same coordinates as before; segment -1: it leaves the zone of the top without a hit.
     """
     shift = 0.0
     count = len(chain.normal_x)
@@ -120,7 +121,7 @@ def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside):
     return -2, 0.0, x, z, shift
 
 
-@njit
+@kernel
 def _neighbour(k, right, count, width, x, shift):
     """Return the next segment, with the ray's origin moved to the tile it lies in."""
     if right:
@@ -132,7 +133,7 @@ def _neighbour(k, right, count, width, x, shift):
     return k - 1, x, shift
 
 
-@njit
+@kernel
 def _meet(chain, k, x, z, dx, dz, shift):
     """Return the hit on segment k, its point put onto the segment."""
     nx, nz = chain.normal_x[k], chain.normal_z[k]

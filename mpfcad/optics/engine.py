@@ -1,9 +1,9 @@
-"""The path tracer: follows paths through a scene's elements, in blocks, on as many threads as wanted.
+"""The path tracer: follows paths through a scene's elements, in blocks, on any number of threads.
 
-One path starts at a `Source`, goes from element to element, scores the radiance it meets and ends when it
-leaves the scene or the roulette ends it. A path's random numbers depend on (seed, stream, path) only,
-blocks have a fixed size, and their sums are added in their order: the tallies are the same bits at any
-thread count.
+One path starts at a `Source`, goes from element to element, scores the radiance it meets and ends
+when it leaves the scene or the roulette ends it. A path's random numbers depend on (seed, stream,
+path) only, blocks have a fixed size, and their sums are added in their order: the tallies are the
+same bits at any thread count.
 """
 
 import math
@@ -25,6 +25,7 @@ from mpfcad.optics.cavity import (
     reflector_direction,
 )
 from mpfcad.optics.film import film_passage
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path, uniform
 from mpfcad.optics.scene import Scene
@@ -67,7 +68,7 @@ class Source(NamedTuple):
     acceptance: float = 0.0
 
 
-@njit
+@kernel
 def _start(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
     x = source.position[point] + (uniform(rng) - 0.5) * source.spot
@@ -90,7 +91,7 @@ def _start(scene, source, point, rng):
     return 0, True, cavity[2] + cavity[4] * nx, y, z, dx, dy, dz, 0
 
 
-@njit
+@kernel
 def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     radiance = 0.0
@@ -120,7 +121,7 @@ def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     return x, y, dx, dy, dz, 0.0, radiance
 
 
-@njit
+@kernel
 def _roulette(weight, flow, rng):
     """End a faint path half of the time, and double it otherwise; `flow` keeps the difference."""
     if weight >= _ROULETTE_BELOW or weight == 0.0:
@@ -132,9 +133,9 @@ def _roulette(weight, flow, rng):
     return 2.0 * weight
 
 
-@njit
+@kernel
 def trace_path(scene, source, point, flow, rng):
-    """Follow one path and return the radiance it collects; `flow` receives where its weight went."""
+    """Follow one path and return the radiance it collects; `flow` gets where its weight went."""
     e, up, x, y, z, dx, dy, dz, lamp = _start(scene, source, point, rng)
     weight = 1.0
     radiance = 0.0
@@ -183,19 +184,19 @@ def trace_path(scene, source, point, flow, rng):
     return radiance
 
 
-@njit(nogil=True, cache=True)
-def trace_block(scene, source, seed, stream, block, score, score2, flow, flow2):
+@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+def trace_block(scene, source, seed, stream, block, rng, once, score, score2, flow, flow2):
     """Trace one block, `BLOCK` paths a point, and add to its sums.
 
     score, score2: (p,) radiance and its square; flow, flow2: (f,) the same of the weights' ends.
+    rng (8,) uint64 and once (f,) are scratch.
     """
-    rng = np.zeros(RNG_SIZE, np.uint64)
-    once = np.zeros(len(flow))
     points = len(source.position)
     for i in range(BLOCK):
         for point in range(points):
             start_path(rng, seed, stream, uint64((block * BLOCK + i) * points + point))
-            once[:] = 0.0
+            for f in range(len(once)):
+                once[f] = 0.0
             radiance = trace_path(scene, source, point, once, rng)
             score[point] += radiance
             score2[point] += radiance * radiance
@@ -226,6 +227,7 @@ def trace(
         tally = Tally.empty(points, flows)
         trace_block(
             scene, source, np.uint64(seed), np.uint64(source.kind), np.int64(block),
+            np.zeros(RNG_SIZE, np.uint64), np.zeros(flows),
             tally.score, tally.score2, tally.flow, tally.flow2,
         )  # fmt: skip
         return tally._replace(paths=BLOCK)

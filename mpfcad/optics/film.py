@@ -2,23 +2,22 @@
 
 import math
 
-from numba import njit
-
 from mpfcad.optics.bvh import bvh_hit
 from mpfcad.optics.chain import chain_hit
 from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import uniform
 
 _CHAIN = 0
 _MOST_HITS = 100_000
 
 
-@njit
+@kernel
 def film_passage(tile, index, index_below, offset, up, x, y, dx, dy, dz, rng):
     """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
 
-    `up`: it comes from below, in a medium of `index_below`; else from the air above. `way` is 1 when
-    it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+    `up`: it comes from below, in a medium of `index_below`; else from the air above. `way` is 1
+    when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
     """
     base_x = math.floor((x - offset) / tile.width) * tile.width + offset
     base_y = math.floor(y / tile.length) * tile.length
@@ -74,7 +73,7 @@ def film_passage(tile, index, index_below, offset, up, x, y, dx, dy, dz, rng):
     return 0, x + base_x, y + base_y, dx, dy, dz
 
 
-@njit
+@kernel
 def _underside(index_in, index_out, dx, dy, dz, rng):
     """Pass or reflect a ray at the flat underside: (passed, dx, dy, dz)."""
     ratio = index_in / index_out
@@ -84,7 +83,7 @@ def _underside(index_in, index_out, dx, dy, dz, rng):
     return True, ratio * dx, ratio * dy, math.copysign(cos_out, dz)
 
 
-@njit
+@kernel
 def _facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
     """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
     approach = dx * nx + dy * ny + dz * nz

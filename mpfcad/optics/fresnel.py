@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from mpfcad.optics.kernel import kernel
 
 
-@njit
+@kernel
 def fresnel(cos_in, index_ratio):
     """Return (reflectance, cosine of the refracted ray) of an interface.
 

@@ -1,8 +1,9 @@
 """Reads a film mesh from an STL file and makes sure that it can be traced as a repeating tile.
 
-The tracer starts from the file alone. It asks for a closed, outward oriented mesh with a flat underside
-and upright sides whose top repeats from side to side: then the film continues beyond its edges as
-copies of itself, and what happens between lamps far from the panel's rim is traced without one.
+The tracer starts from the file alone. It asks for a closed, outward oriented mesh with a flat
+underside and upright sides whose top repeats from side to side: then the film continues beyond its
+edges as copies of itself, and what happens between lamps far from the panel's rim is traced without
+one.
 """
 
 from dataclasses import dataclass

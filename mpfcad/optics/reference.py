@@ -1,8 +1,8 @@
 """The oracle: the same physics as the kernels in plain, slow Python, for tests to compare with.
 
 No tree, no chain, no numba: every facet of the tile is tried for every ray by the textbook formula
-(Möller and Trumbore, 1997), and each element is a few readable lines. It draws the same random numbers in
-the same order as `engine`, so that single paths can be compared, not only means.
+(Möller and Trumbore, 1997), and each element is a few readable lines. It draws the same random
+numbers in the same order as `engine`, so that single paths can be compared, not only means.
 """
 
 import math

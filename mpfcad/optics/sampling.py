@@ -1,17 +1,20 @@
 """Counter-based random numbers and the directions drawn with them.
 
 Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11) keyed by the seed
-and counted by (draw, stream, path): a path's numbers depend on nothing else, so results are the same at
-any thread count and block size.
+and counted by (draw, stream, path): a path's numbers depend on nothing else, so results are the
+same at any thread count and block size.
 
-A generator is an (8,) uint64 array `rng`: low and high word of the seed, low and high word of the path,
-the stream, the next block of draws, the second number of the last block, and whether that is unused.
+A generator is an (8,) uint64 array `rng`: low and high word of the seed, low and high word of the
+path, the stream, the next block of draws, the second number of the last block, and whether that is
+unused.
 """
 
 import math
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
+
+from mpfcad.optics.kernel import kernel
 
 _M0 = np.uint64(0xD2511F53)
 _M1 = np.uint64(0xCD9E8D57)
@@ -26,7 +29,7 @@ _KEY0, _KEY1, _PATH0, _PATH1, _STREAM, _BLOCK, _SPARE, _HAS_SPARE = range(8)
 RNG_SIZE = 8
 
 
-@njit
+@kernel
 def philox4x32(c0, c1, c2, c3, k0, k1):
     """Return the four 32-bit words (in uint64) of Philox4x32-10 at a counter and a key."""
     for _ in range(10):
@@ -41,7 +44,7 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
     return c0, c1, c2, c3
 
 
-@njit
+@kernel
 def start_path(rng, seed, stream, path):
     """Set `rng` to the first draw of a path: (8,) uint64; seed, stream, path uint64."""
     rng[_KEY0] = seed & _LOW
@@ -53,7 +56,7 @@ def start_path(rng, seed, stream, path):
     rng[_HAS_SPARE] = uint64(0)
 
 
-@njit
+@kernel
 def uniform(rng):
     """Return the path's next number, uniform in [0, 1) with 53 bits."""
     if rng[_HAS_SPARE] != 0:
@@ -68,7 +71,7 @@ def uniform(rng):
     return (((a << _32) | b) >> _11) * _TO_UNIT
 
 
-@njit
+@kernel
 def gaussian_pair(rng):
     """Return two independent standard normal numbers (Box and Muller, 1958)."""
     radius = math.sqrt(-2.0 * math.log(1.0 - uniform(rng)))
@@ -76,7 +79,7 @@ def gaussian_pair(rng):
     return radius * math.cos(angle), radius * math.sin(angle)
 
 
-@njit
+@kernel
 def disk(rng):
     """Return a point uniform in the unit disk: the (kx, ky) of a Lambertian direction."""
     radius = math.sqrt(uniform(rng))
@@ -84,7 +87,7 @@ def disk(rng):
     return radius * math.cos(angle), radius * math.sin(angle)
 
 
-@njit
+@kernel
 def henyey_greenstein_cosine(g, u):
     """Return the scattering cosine drawn by u in [0, 1) (Henyey and Greenstein, 1941).
 
@@ -96,7 +99,7 @@ def henyey_greenstein_cosine(g, u):
     return min(1.0, max(-1.0, (1.0 + g * g - ratio * ratio) / (2.0 * g)))
 
 
-@njit
+@kernel
 def turn(dx, dy, dz, cosine, azimuth):
     """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz).
 

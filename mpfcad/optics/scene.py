@@ -1,8 +1,9 @@
 """A scene: horizontal elements from the bottom up, lowered to flat arrays for the kernels.
 
-Elements touch: a ray that leaves one upward enters the next from below. Between elements is air, but for
-a slab with a film bonded on it, where the slab's own medium reaches up to the film. Everything repeats
-sideways without end: lamps with the lamp pitch, a film with the size of its mesh.
+Elements touch: a ray that leaves one upward enters the next from below. Between elements is air,
+but for a slab with a film bonded on it, where the slab's own medium reaches up to the film.
+Everything repeats sideways without end: lamps with the lamp pitch, a film with the size of its
+mesh.
 """
 
 from dataclasses import dataclass
@@ -129,7 +130,7 @@ Element = Cavity | Slab | Sheet | Film
 
 
 class Tile(NamedTuple):
-    """One film tile as the kernels see it: its size, the z range of its top, and both accelerators."""
+    """A film tile as the kernels see it: its size, the z range of its top, both accelerators."""
 
     width: float
     length: float
@@ -163,7 +164,13 @@ class Scene(NamedTuple):
 
 
 _NO_CHAIN = Chain(*(np.zeros(2),) * 2, *(np.zeros(1),) * 2, np.zeros(1, np.int64))
-_NO_BVH = Bvh(np.zeros((1, 6)), np.zeros((1, 2), np.int64), np.zeros((1, 9)), np.zeros((1, 3)))
+_NO_BVH = Bvh(
+    np.zeros((1, 6)),
+    np.zeros((1, 2), np.int64),
+    np.ones(1, np.int64),
+    np.zeros((1, 9)),
+    np.zeros((1, 3)),
+)
 
 
 def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:

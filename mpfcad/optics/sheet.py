@@ -2,15 +2,14 @@
 
 import math
 
-from numba import njit
-
 from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import gaussian_pair, uniform
 
 
-@njit
+@kernel
 def sheet_transmittance(cos_in, cos_out, index):
-    """Return the share of light that two smooth faces pass, entering at one angle, leaving at another.
+    """Return the share of light that two smooth faces pass, in at one angle, out at another.
 
     T = (1-R)(1-R')/(1-R R'), the sum over reflections to and fro; R, R' the Fresnel reflectances at
     the two directions outside. Symmetric in both, hence reciprocal; equal angles give (1-R)/(1+R).
@@ -20,7 +19,7 @@ def sheet_transmittance(cos_in, cos_out, index):
     return (1.0 - first) * (1.0 - second) / (1.0 - first * second)
 
 
-@njit
+@kernel
 def sheet_passage(sigma, index, dx, dy, dz, rng):
     """Scatter a ray at a thin sheet: (passed, dx, dy, dz).
 

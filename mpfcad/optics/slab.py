@@ -1,22 +1,21 @@
-"""A ray's passage through a plate: Fresnel at its faces, scattering and absorption in its volume."""
+"""A ray's passage through a plate: Fresnel at its faces, scattering and absorption inside."""
 
 import math
 
-from numba import njit
-
 from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import henyey_greenstein_cosine, turn, uniform
 
 _MOST_STEPS = 1_000_000
 
 
-@njit
+@kernel
 def slab_passage(parameter, up, x, y, dx, dy, dz, rng):
     """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
 
-    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its weight
-    that the volume has not absorbed, exp(-absorption · path). Free paths between scatterings are
-    exponential of mean 1/scattering.
+    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its
+    weight that the volume has not absorbed, exp(-absorption · path). Free paths between scatterings
+    are exponential of mean 1/scattering.
     """
     index, thickness, scattering, absorption, asymmetry = (
         parameter[0], parameter[1], parameter[2], parameter[3], parameter[4],

@@ -1,9 +1,9 @@
 """A ray against a triangle in double precision, watertight along shared edges."""
 
-from numba import njit
+from mpfcad.optics.kernel import kernel
 
 
-@njit
+@kernel
 def edge_product(dx, dy, dz, ax, ay, az, bx, by, bz):
     """Return d · (a × b): the side on which a ray from the origin passes the edge a→b.
 
@@ -12,7 +12,7 @@ def edge_product(dx, dy, dz, ax, ay, az, bx, by, bz):
     return dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
 
 
-@njit
+@kernel
 def triangle_distance(corner, t, ox, oy, oz, dx, dy, dz, side):
     """Return the distance along a ray to facet t, or infinity when it is missed.
 
