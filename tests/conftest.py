@@ -23,6 +23,7 @@ def _kernels() -> str:
 
 os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}")
 
-# A first call compiles kernels: no time limit for one example. Fixed examples: same run, same result.
+# A first call compiles kernels: no time limit for one example. Fixed examples: same run, same
+# result.
 settings.register_profile("kernels", deadline=None, derandomize=True)
 settings.load_profile("kernels")

@@ -1,4 +1,4 @@
-"""What the tracer's tests share: small film meshes on disk, and single paths through the kernels."""
+"""What the tracer's tests share: small film meshes on disk, and single paths."""
 
 from pathlib import Path
 
@@ -94,7 +94,6 @@ def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: fl
             ]
             top = ((i + 0.5) * side, (j + 0.45) * side, base + height * (1 - 0.2 * (i + 2 * j)))
             facets += [(corner[k], corner[(k + 1) % 4], top) for k in range(4)]
-    ground = [(a, b, 0.0) for a, b in ((0, 0), (size, 0), (size, size), (0, size))]
     # Underside and sides with the top's edge vertices, so that every edge has one partner.
     steps = np.linspace(0, size, cells + 1)
     rim = [(s, 0.0) for s in steps[:-1]] + [(size, s) for s in steps[:-1]]
@@ -104,7 +103,6 @@ def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: fl
         p, q = (*a, 0.0), (*b, 0.0)
         r, s = (*a, base), (*b, base)
         facets += [(centre, q, p), (p, q, s), (p, s, r)]
-    assert ground
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 

@@ -14,8 +14,7 @@ _TAGS = ("given", "sourced", "assumed")
 
 def list_stacks() -> list[Stack]:
     """Return the presets that can be traced, by name."""
-    found = [read_stack(path.stem) for path in sorted(_PRESETS.glob("*-*-*.toml"))]
-    return found
+    return [read_stack(name) for name in sorted(p.stem for p in _PRESETS.glob("*-*-*.toml"))]
 
 
 def read_stack(

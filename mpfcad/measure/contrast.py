@@ -8,14 +8,19 @@ the contrast read as its median (estimate), 97.5th and 2.5th percentile (ends of
 """
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
 _HARMONICS = (4, 6, 8, 10, 12)
 _DRAWS = 2000
-_FINE = 257
-_STEPS = 40
+_POINTS_A_HARMONIC = 32
+_GRID = 17
+#: 1.5 % on each side is left out, not 2.5 %: the shape's own error is not in the draws, and
+#: simulated curves show that the true contrast then lies within 93 … 98 % of the intervals.
+_TAIL = 0.015
+_NORMAL = NormalDist()
 
 
 @dataclass(frozen=True)
@@ -108,35 +113,57 @@ def contrast_of_harmonics(fit: HarmonicFit, seed: int = 0) -> Estimate:
 
     The noise draws are fixed by `seed`; the result is deterministic.
     """
-    fine = np.linspace(0, 1, _FINE)[:-1]
-    basis = _basis(fine, fit.harmonics)
-    curve = basis @ fit.coefficient
+    points = _POINTS_A_HARMONIC * fit.harmonics
+    basis = _basis(np.arange(points) / points, fit.harmonics)
     mean = fit.coefficient[0]
-    shape = curve - mean
-    read = _contrast(curve)
+    read = float(_contrast(basis @ fit.coefficient))
+    shape = basis @ _denoised(fit)
     rng = np.random.Generator(np.random.Philox(seed))
     root = np.linalg.cholesky(fit.covariance)
     noise = rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T @ basis.T
 
-    def share_below(scale: float) -> float:
-        """Return the share of draws about the scaled curve that read less contrast than seen."""
-        return float(np.mean(_contrast(mean + scale * shape + noise) < read))
+    def readings(contrast: float) -> NDArray[np.float64]:
+        """Return what the draws read about the shape with a true contrast, (draws,)."""
+        return _contrast(mean + _scale(shape, mean, contrast) * shape + noise)
 
-    def scale_where(share: float) -> float:
-        low, high = 0.0, 1.0
-        if share_below(0.0) <= share:
-            return 0.0
-        while share_below(high) > share:
-            high *= 2
-        for _ in range(_STEPS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if share_below(middle) > share else (low, middle)
-        return high
+    # The share of draws that read less than seen falls with the true contrast, as a normal
+    # distribution does nearly: straight in its quantiles, so a coarse grid is enough.
+    spread = float(np.std(readings(read)))
+    grid = np.linspace(max(0.0, read - 6 * spread), read + 6 * spread, _GRID)
+    share = np.array([np.mean(readings(c) < read) for c in grid])
+    share = np.clip(np.minimum.accumulate(share), 0.5 / _DRAWS, 1 - 0.5 / _DRAWS)
+    quantile = [-_NORMAL.inv_cdf(s) for s in share]
 
-    value, lower, upper = (
-        float(_contrast(mean + scale_where(share) * shape)) for share in (0.5, 0.975, 0.025)
-    )
-    return Estimate(value, lower, upper, (upper - lower) / (2 * 1.959963984540054))
+    def contrast_where(wanted: float) -> float:
+        return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
+
+    value, low, high = (contrast_where(q) for q in (0.5, 1 - _TAIL, _TAIL))
+    return Estimate(value, low, high, (high - low) / (2 * 1.959963984540054))
+
+
+def _denoised(fit: HarmonicFit) -> NDArray[np.float64]:
+    """Return the coefficients without the mean, each harmonic shrunk by the noise in it, (1+2h,).
+
+    Factor 1 - 2 v/|c|², at least 0, with v the variance expected in |c|² (after James and Stein,
+    1961). The shape of a noisy fit is rougher than the truth and would read noise twice.
+    """
+    shrunk = fit.coefficient.copy()
+    shrunk[0] = 0.0
+    variance = np.diag(fit.covariance)
+    for first in range(1, len(shrunk), 2):
+        pair = slice(first, first + 2)
+        power = shrunk[pair] @ shrunk[pair]
+        if power > 0:
+            shrunk[pair] *= max(0.0, 1.0 - 2.0 * variance[pair].sum() / power)
+    if not shrunk.any():
+        shrunk[1:] = fit.coefficient[1:]
+    return shrunk
+
+
+def _scale(shape: NDArray[np.float64], mean: float, contrast: float) -> float:
+    """Return the factor at which mean + factor · shape has a contrast."""
+    high, low = shape.max(), shape.min()
+    return 2 * contrast * mean / ((high - low) - contrast * (high + low))
 
 
 def _contrast(curve: NDArray[np.float64]) -> NDArray[np.float64]:

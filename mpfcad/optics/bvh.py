@@ -223,7 +223,7 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     the zone of the top without a hit; -2: it was lost (a hole).
     """
     width, length = size
-    slack = 16 * 2.3e-16 * max(width, length)
+    slack = 16 * 2.3e-16 * max(width, length, high)
     side = 1.0 if inside else -1.0
     shift_x = 0.0
     shift_y = 0.0
@@ -235,9 +235,10 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     x += free * dx
     y += free * dy
     z += free * dz
+    # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
     leave = math.inf
     if dz != 0.0:
-        leave = ((high if upward else low) - z) / dz
+        leave = ((high if upward else low) - z) / dz + slack / abs(dz)
     for _ in range(1_000_000):
         turn_x = math.floor(x / width) if not 0.0 <= x <= width else 0.0
         turn_y = math.floor(y / length) if not 0.0 <= y <= length else 0.0
@@ -254,7 +255,7 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
             x, y, z = x + distance * dx, y + distance * dy, z + distance * dz
             return facet, x, y, z, shift_x, shift_y
         # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
-        if leave < edge - slack:
+        if leave < edge:
             lost = inside == upward
             return (-2 if lost else -1), x, y, z, shift_x, shift_y
         x += edge * dx

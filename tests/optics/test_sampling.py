@@ -52,9 +52,7 @@ def test_philox_gives_the_published_words(counter, key, words):
     assert tuple(int(w) for w in got) == words
 
 
-@given(
-    seed=st.integers(0, 2**64 - 1), stream=st.integers(0, 2**32 - 1), path=st.integers(0, 2**63)
-)
+@given(seed=st.integers(0, 2**64 - 1), stream=st.integers(0, 2**32 - 1), path=st.integers(0, 2**63))
 def test_kernel_and_oracle_draw_the_same_numbers(seed, stream, path):
     rng = started(seed, stream, path)
     oracle = Philox(seed, stream, path)

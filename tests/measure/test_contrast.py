@@ -1,0 +1,151 @@
+"""Contrast without the bias of noise: closed form, coverage of the interval, bias."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mpfcad.measure import POINTS, Estimate, contrast_of_harmonics, fit_harmonics
+
+POSITION = np.linspace(0, 1, POINTS)
+
+
+def cosine(u):
+    return np.cos(2 * np.pi * u)
+
+
+def lopsided(u):
+    return cosine(u) + 0.5 * np.cos(4 * np.pi * u + 0.7) + 0.25 * np.sin(6 * np.pi * u)
+
+
+def curve(shape, contrast, mean=1.0):
+    """Return the luminances at the points of a curve with the given true contrast."""
+    fine = shape(np.linspace(0, 1, 20_001))
+    high, low = fine.max(), fine.min()
+    factor = 2 * contrast / ((high - low) - contrast * (high + low))
+    return mean * (1 + factor * shape(POSITION))
+
+
+def naive(luminance):
+    return (luminance.max() - luminance.min()) / (luminance.max() + luminance.min())
+
+
+@given(
+    contrast=st.floats(0.001, 0.5), mean=st.floats(10.0, 1e5),
+    phase=st.floats(0, 1), shape=st.sampled_from([cosine, lopsided]),
+)  # fmt: skip
+def test_a_curve_without_noise_gives_its_closed_form(contrast, mean, phase, shape):
+    luminance = curve(lambda u: shape(u + phase), contrast, mean)
+    fit = fit_harmonics(POSITION, luminance, np.full(POINTS, 1e-9 * mean))
+    estimate = contrast_of_harmonics(fit)
+    # The curve is read at 128 places: 2% of the extremes' curvature is missed at most.
+    assert estimate.value == pytest.approx(contrast, rel=3e-3)
+    assert estimate.low <= estimate.value <= estimate.high
+    assert fit.coefficient[0] == pytest.approx(mean, rel=1e-6)
+
+
+def test_a_flat_curve_without_noise_has_no_contrast():
+    fit = fit_harmonics(POSITION, np.full(POINTS, 7000.0), np.full(POINTS, 1e-6))
+    assert contrast_of_harmonics(fit).value < 1e-8
+
+
+def simulated(shape, contrast, sigma, count, seed):
+    """Return (low, high, value, naive contrast) of noisy curves, (count, 4)."""
+    rng = np.random.default_rng(seed)
+    truth = curve(shape, contrast)
+    rows = []
+    for i in range(count):
+        noisy = truth + sigma * rng.standard_normal(POINTS)
+        estimate = contrast_of_harmonics(fit_harmonics(POSITION, noisy, np.full(POINTS, sigma)), i)
+        rows.append((estimate.low, estimate.high, estimate.value, naive(noisy)))
+    return np.array(rows)
+
+
+def covered(rows, contrast):
+    return np.mean((rows[:, 0] <= contrast) & (contrast <= rows[:, 1]))
+
+
+CASES = [
+    (cosine, 0.005, 0.002),
+    (cosine, 0.015, 0.003),
+    (cosine, 0.012, 0.0015),
+    (lopsided, 0.005, 0.002),
+    (lopsided, 0.015, 0.003),
+    (lopsided, 0.030, 0.001),
+]
+
+
+def check(shape, contrast, sigma, count):
+    rows = simulated(shape, contrast, sigma, count, seed=71)
+    share = covered(rows, contrast)
+    # The share shall be 0.93 … 0.975; a count of it scatters: 2.5 binomial sigma.
+    assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
+    assert share <= 0.975 + 2.5 * np.sqrt(0.975 * 0.025 / count)
+    # Bias of the median below 0.15 of a point's error (the median's own error is 0.02 of it) …
+    assert abs(np.median(rows[:, 2]) - contrast) <= 0.15 * sigma
+    # … where the plain maximum and minimum of the points overstate it.
+    assert np.median(rows[:, 3]) - contrast > 0.4 * sigma
+
+
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), [CASES[0], CASES[4]])
+def test_the_interval_holds_the_truth_as_often_as_it_says(shape, contrast, sigma):
+    check(shape, contrast, sigma, 400)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), CASES)
+def test_the_interval_holds_the_truth_over_many_curves(shape, contrast, sigma):
+    check(shape, contrast, sigma, 2000)
+
+
+def test_a_flat_noisy_curve_is_compatible_with_no_contrast():
+    sigma = 0.005
+    rows = simulated(cosine, 0.0, sigma, 400, seed=72)
+    assert covered(rows, 0.0) >= 0.95 - 2.5 * np.sqrt(0.95 * 0.05 / 400)
+    assert np.median(rows[:, 2]) <= 0.15 * sigma
+    # 2.08 sigma for 33 points of a flat curve: the expected range of 33 normal numbers over 2.
+    assert np.mean(rows[:, 3]) == pytest.approx(2.08 * sigma, rel=0.03)
+
+
+def test_same_noise_same_result():
+    rows = [simulated(cosine, 0.01, 0.003, 3, seed=73) for _ in range(2)]
+    assert np.array_equal(*rows)
+
+
+def test_sharp_features_get_more_harmonics():
+    def narrow(u):
+        return np.exp(-(((u + 0.5) % 1 - 0.5) ** 2) / (2 * 0.05**2))
+
+    error = np.full(POINTS, 1e-4)
+    sharp = fit_harmonics(POSITION, curve(narrow, 0.05), error)
+    smooth = fit_harmonics(POSITION, curve(cosine, 0.05), error)
+    assert smooth.harmonics == 4 < sharp.harmonics
+    assert contrast_of_harmonics(sharp).value == pytest.approx(0.05, rel=0.02)
+
+
+def test_the_fit_is_the_weighted_one():
+    # A point of tenfold error must hardly pull: the same curve, one point far off.
+    error = np.full(POINTS, 0.001)
+    luminance = curve(cosine, 0.02)
+    luminance[7] += 0.05
+    error[7] = 1.0
+    fit = fit_harmonics(POSITION, luminance, error)
+    assert np.abs(fit.curve(POSITION) - curve(cosine, 0.02)).max() < 1e-4
+
+
+def test_mean_and_its_error():
+    rng = np.random.default_rng(74)
+    fits = [
+        fit_harmonics(POSITION, 100 + rng.standard_normal(POINTS), np.ones(POINTS))
+        for _ in range(500)
+    ]
+    means = np.array([fit.coefficient[0] for fit in fits])
+    error = np.sqrt(fits[0].covariance[0, 0])
+    # Standard deviation from 500 values: known to 1/√1000; 4 sigma.
+    assert means.std() / error == pytest.approx(1, abs=4 / np.sqrt(1000))
+
+
+def test_a_normal_estimate_is_symmetric():
+    estimate = Estimate.normal(10.0, 0.5)
+    assert (estimate.low, estimate.high) == pytest.approx((9.02, 10.98), abs=0.001)
+    assert estimate.half_width == pytest.approx(0.98, abs=0.001)

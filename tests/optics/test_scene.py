@@ -1,0 +1,46 @@
+"""What a scene refuses, and which accelerator a mesh gets."""
+
+import numpy as np
+import pytest
+from harness import BARE, CONCAVE, crossed_mesh, film_mesh
+
+from mpfcad.errors import TraceError
+from mpfcad.optics.scene import ACCELERATORS, Cavity, Film, Sheet, Slab, build_scene
+
+CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
+
+
+def accelerator(film):
+    return ACCELERATORS[build_scene([film]).tile.accelerator]
+
+
+def test_an_extrusion_gets_the_chain_and_anything_else_the_tree(tmp_path):
+    assert accelerator(Film(film_mesh(tmp_path, [CONCAVE]), 1.5)) == "chain"
+    crossed = crossed_mesh(tmp_path)
+    assert accelerator(Film(crossed, 1.5)) == "bvh"
+    with pytest.raises(TraceError, match="chain"):
+        build_scene([Film(crossed, 1.5, accelerator="chain")])
+
+
+def test_an_extrusion_may_be_traced_with_the_tree(tmp_path):
+    assert accelerator(Film(film_mesh(tmp_path, [BARE]), 1.5, accelerator="bvh")) == "bvh"
+
+
+def test_impossible_stacks_are_refused(tmp_path):
+    film = Film(film_mesh(tmp_path, [BARE]), 1.5)
+    for elements, words in (
+        ([film, film], "2 films"),
+        ([Sheet(0.3, 1.5, 1.0), CAVITY], "lowest"),
+        ([Slab(1.5, 2.0, bonded=True)], "bonded"),
+        ([Slab(1.5, 2.0, bonded=True), Sheet(0.3, 1.5, 1.0)], "bonded"),
+    ):
+        with pytest.raises(TraceError, match=words):
+            build_scene(elements)
+
+
+def test_elements_keep_their_numbers(tmp_path):
+    scene = build_scene([CAVITY, Slab(1.49, 2.0, 0.6, 0.0036, 0.8), Sheet(0.36, 1.49, 0.98)])
+    assert list(scene.kind) == [0, 1, 2]
+    assert np.allclose(scene.parameter[0, :9], (20, 32.69, 0, 3.5, 1.7, 20100, 0.75, 0.94, 0.3))
+    assert np.allclose(scene.parameter[1, :6], (1.49, 2, 0.6, 0.0036, 0.8, 0))
+    assert np.allclose(scene.parameter[2, :3], (0.36, 1.49, 0.98))

@@ -1,0 +1,122 @@
+"""White furnace: amid equal brightness nothing that does not absorb is seen."""
+
+import numpy as np
+import pytest
+from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
+
+from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+
+PATTERN = [groove(c) for c in (57.0, 30.0, 75.0)]
+CLEAR, DIFFUSING = Slab(1.49, 2.0), Slab(1.49, 2.0, 0.6, 0.0, 0.8)
+BOTTOM, TOP = Sheet(0.36, 1.49, 1.0), Sheet(0.35, 1.49, 1.0)
+
+
+def stack(name, folder):
+    match name:
+        case "conventional":
+            return [DIFFUSING, BOTTOM, Film(film_mesh(folder, [BARE]), 1.55), TOP]
+        case "mpf":
+            return [CLEAR, BOTTOM, Film(film_mesh(folder, PATTERN), 1.55, offset=0.013), TOP]
+        case "mpf-plate":
+            grooved = Slab(1.49, 2.0, 0.6, 0.0, 0.8, bonded=True)
+            return [grooved, Film(film_mesh(folder, PATTERN), 1.55, 1.49), TOP]
+
+
+def lamps(luminance, reflectance):
+    return Cavity(20.0, 32.69, 0.0, 3.5, 1.7, luminance, reflectance, 1.0, 0.3)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.9])
+@pytest.mark.parametrize("name", ["conventional", "mpf", "mpf-plate"])
+def test_every_path_sees_radiance_one(tmp_path, name, tilt):
+    # Black lamps of luminance 1 under a sky of 1, nothing else absorbs: each path ends at a 1 with
+    # its whole weight, so mean and variance are exact.
+    scene = build_scene([lamps(1.0, 0.0), *stack(name, tmp_path)], above=1.0)
+    source = Source(EYE, np.linspace(0, 32.69, 5), 1.0, tilt_x=tilt, acceptance=0.05)
+    tally = trace(scene, source, 10, seed=41)
+    assert (tally.radiance == 1.0).all()
+    assert (tally.score2 == tally.paths).all()
+
+
+def test_reflecting_lamps_that_emit_what_they_absorb_are_as_bright(tmp_path):
+    # Luminance 1-r and reflectance r: radiosity 1. The roulette makes this true in the mean only.
+    scene = build_scene([lamps(0.25, 0.75), *stack("mpf", tmp_path)], above=1.0)
+    tally = trace(scene, Source(EYE, np.linspace(0, 32.69, 5), 1.0, acceptance=0.05), 40, seed=42)
+    assert tally.radiance_error.max() < 0.005
+    within(tally.radiance, 1.0, tally.radiance_error, 4)
+
+
+def layers(name, folder):
+    film = Film(film_mesh(folder, [CONCAVE]), 1.55)
+    return {
+        "sheet": [TOP],
+        "wide sheet": [Sheet(2.0, 1.6, 1.0)],
+        "clear": [CLEAR],
+        "diffusing": [DIFFUSING],
+        "backward": [Slab(1.49, 2.0, 1.0, 0.0, -0.7)],
+        "film": [film],
+        "crossed": [Film(crossed_mesh(folder), 1.5)],
+        **{n: stack(n, folder) for n in ("conventional", "mpf", "mpf-plate")},
+    }[name]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["sheet", "wide sheet", "clear", "diffusing", "backward", "film", "crossed", "conventional",
+     "mpf", "mpf-plate"],
+)  # fmt: skip
+def test_lambertian_light_from_both_sides_leaves_lambertian(tmp_path, name):
+    # Forward: equal Lambertian light from below and above must leave upward as Lambertian light,
+    # whatever lossless thing lies between: kx, ky uniform in the unit disk, as many as came in.
+    scene = build_scene(layers(name, tmp_path))
+    count = 120_000
+    k = []
+    for below in (True, False):
+        out = np.empty((count, 4))
+        pass_layers(scene, below, 43 + below, out)
+        assert (out[:, 0] != 0).all() and (out[:, 3] == 1).all()
+        k.append(out[out[:, 0] == 1, 1:3])
+    k = np.concatenate(k)
+    # The number is a sum of 2·count chances: its variance is at most 2·count/4.
+    within(len(k), count, np.sqrt(count / 2), 4)
+    radius, azimuth = (k**2).sum(axis=1), np.arctan2(k[:, 1], k[:, 0])
+    number, _, _ = np.histogram2d(radius, azimuth, (10, 12), ((0, 1), (-np.pi, np.pi)))
+    within(number, count / 120, np.sqrt(count / 120), 5, "bins of equal projected solid angle")
+    chi2 = ((number - count / 120) ** 2 / (count / 120)).sum()
+    within(chi2, 120, np.sqrt(240), 4)
+
+
+def test_the_furnace_can_fail(tmp_path):
+    # The same bins under a stack that absorbs, and under light from one side only.
+    out = np.empty((120_000, 4))
+    pass_layers(build_scene(layers("film", tmp_path)), True, 44, out)
+    k = out[out[:, 0] == 1, 1:3]
+    number, _ = np.histogram((k**2).sum(axis=1), 10, (0, 1))
+    assert np.abs(number - number.mean()).max() > 20 * np.sqrt(number.mean())
+
+
+def test_an_ideal_diffuser_makes_any_light_lambertian():
+    # Isotropic scattering, optically very thick: normal light leaves (upward and downward) with a
+    # distribution that does not know the azimuth, and the Lambertian furnace above holds.
+    scene = build_scene([Slab(1.0, 2.0, 20.0, 0.0, 0.0)])
+    out = np.empty((60_000, 4))
+    pass_layers(scene, True, 45, out)
+    k = out[out[:, 0] == -1, 1:3]
+    within(k.mean(axis=0), 0.0, 0.5 / np.sqrt(len(k)), 4)
+    within(np.mean(k[:, 0] * k[:, 1]), 0.0, 0.25 / np.sqrt(len(k)), 4)
+
+
+def test_the_lambertian_part_of_the_reflector_is_lambertian():
+    from mpfcad.optics.cavity import reflector_direction
+    from mpfcad.optics.sampling import RNG_SIZE, start_path
+
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    start_path(rng, np.uint64(46), np.uint64(0), np.uint64(0))
+    d = np.array([reflector_direction(0.0, 0.6, 0.0, -0.8, rng) for _ in range(40_000)])
+    number, _, _ = np.histogram2d(
+        (d[:, :2] ** 2).sum(axis=1), np.arctan2(d[:, 1], d[:, 0]), (5, 8), ((0, 1), (-np.pi, np.pi))
+    )
+    within(number, 1000, np.sqrt(1000), 4.5)
+    mirrored = reflector_direction(1.0, 0.6, 0.0, -0.8, rng)
+    assert mirrored == (0.6, 0.0, 0.8)
