@@ -30,15 +30,26 @@ class Terminal:
             self._status = self._resources.enter_context(console.status("starting"))
         return self
 
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(self, kind: object, *exception: object) -> None:
+        if kind is None:
+            self._show_done()
         self._resources.close()
 
     def stage(self, text: str) -> None:
-        """Show that a new stage of the work begins."""
-        if self._live and self._stage:
-            self._status.console.print(f"[dim]{self._elapsed()}[/] {self._stage}", highlight=False)
+        """Show that a new stage of the work begins, and that the last one is done.
+
+        A pipe or log gets a stage's line when it is done, so that bad input leaves one line only.
+        """
+        self._show_done()
         self._stage = text
-        self._show(text)
+        if self._live:
+            self._status.update(text)
+
+    def _show_done(self) -> None:
+        if self._stage and self._live:
+            self._status.console.print(f"[dim]{self._elapsed()}[/] {self._stage}", highlight=False)
+        elif self._stage:
+            self._show(self._stage)
 
     def trace(self, paths: int, half_width: float) -> None:
         """Show how far the trace is, in a pipe at most every `interval` seconds."""
