@@ -5,17 +5,23 @@ rectangles; `write_mask` (gdstk) keeps those arrays symbolic; `check_mask` (klay
 groove's aperture ratio from the file alone. Drawn is open; lengths in a file are µm on a 1 nm grid.
 """
 
-from mpfcad.mask.aperture import Mask, build_mask
+from mpfcad.mask.aperture import GrooveMask, Mask, build_mask
+from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
 from mpfcad.mask.check import MaskCheck, check_mask
 from mpfcad.mask.rule import PATTERNS, MaskRules, Pattern
 from mpfcad.mask.write import write_mask
 
 __all__ = [
     "PATTERNS",
+    "ApertureArray",
+    "GrooveMask",
     "Mask",
     "MaskCheck",
     "MaskRules",
     "Pattern",
+    "Placement",
+    "Tile",
+    "TileArray",
     "build_mask",
     "check_mask",
     "write_mask",

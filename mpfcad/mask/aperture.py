@@ -1,16 +1,19 @@
-"""From a film to apertures: per groove one array of equal rectangles, on a 1 nm grid.
+"""The apertures of a panel: what every mask tells, and the masks with one array a groove.
 
 The period is stretched by less than half of itself over the whole length so that a whole number of
 periods fills the panel: period = length / round(length / nominal period). With ratio a and groove
 pitch p an aperture is
 
 * `slot`: p across, a · period along; equal neighbours make one slot across all the grooves;
-* `dot`: a square of side sqrt(a · p · period);
+* `dot`, `staggered`, `angled`: a square of side sqrt(a · p · period), every groove's moved along by
+  0, by a quarter of the period forth and back, or by p · tan(angle) more than its neighbour's;
 
 so that apertures over groove area is a, but for rounding to the grid.
 """
 
 import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,15 +21,16 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm, Process, check_printable
-from mpfcad.mask.rule import GRID, MaskRules, Pattern, check_rules
+from mpfcad.mask.array import ApertureArray, Placement, TileArray
+from mpfcad.mask.rule import GRID, MaskRules, check_rules
 
 #: GDSII coordinates are 32-bit: no panel side may be longer [grid steps].
 LARGEST_SIDE = 2_100_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Mask:
-    """The apertures of a panel, symbolic: one array of rectangles a groove.
+class Mask(ABC):
+    """What every mask of a panel tells; it is never flattened.
 
     Attributes
     ----------
@@ -38,14 +42,8 @@ class Mask:
         what was asked for
     pitch, length
         of the grooves [mm]
-    wanted_ratio
-        (n,) float64, the aperture ratio that each groove's curvature needs
-    left, bottom
-        (n,) int64 [grid steps], lower left corner of each groove's first aperture
-    across, along
-        (n,) int64 [grid steps], size of each groove's apertures; 0 where it has none
-    period_steps, period_count
-        distance of the apertures along the groove [grid steps], and how many there are
+    groove_count
+        number of grooves n
     """
 
     name: str
@@ -53,18 +51,84 @@ class Mask:
     rules: MaskRules
     pitch: float
     length: float
-    wanted_ratio: NDArray[np.float64]
+    groove_count: int
+
+    @property
+    def width(self) -> float:
+        """Extent across the grooves [mm]."""
+        return self.groove_count * self.pitch
+
+    @property
+    @abstractmethod
+    def period(self) -> float:
+        """Distance of the apertures along the grooves as made [mm]."""
+
+    @property
+    @abstractmethod
+    def arrays(self) -> Iterable[ApertureArray]:
+        """Arrays of apertures, each within one groove; may be gone through again and again.
+
+        A dithered panel makes them as one goes, so that they never stand in memory together.
+        """
+
+    @property
+    def tile_arrays(self) -> Iterable[TileArray]:
+        """Tiles of apertures, besides `arrays`."""
+        return ()
+
+    @property
+    @abstractmethod
+    def aperture_count(self) -> int:
+        """Number of apertures in all."""
+
+    @property
+    @abstractmethod
+    def aperture_ratio(self) -> NDArray[np.float64]:
+        """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
+
+    @property
+    @abstractmethod
+    def wanted_ratio(self) -> NDArray[np.float64]:
+        """Aperture ratio that each groove's curvature needs, its mean along, (n,) float64."""
+
+    @abstractmethod
+    def ratio_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean ratio as drawn over squares of side `cell` [mm], (along, across).
+
+        Squares are counted from the panel's lower left corner; the last of a side are cut.
+        """
+
+    @abstractmethod
+    def wanted_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean of the wanted ratio over the same squares."""
+
+
+@dataclass(frozen=True, eq=False)
+class GrooveMask(Mask):
+    """A mask with one array of equal rectangles a groove.
+
+    Attributes
+    ----------
+    groove_ratio
+        (n,) float64, the aperture ratio that each groove's curvature needs
+    left, bottom
+        (n,) int64 [grid steps], lower left corner of each groove's first aperture
+    across, along
+        (n,) int64 [grid steps], size of each groove's apertures; 0 where it has none
+    count
+        (n,) int64, number of apertures in each groove
+    period_steps, period_count
+        distance of the apertures along the groove [grid steps], and how many the length holds
+    """
+
+    groove_ratio: NDArray[np.float64]
     left: NDArray[np.int64]
     bottom: NDArray[np.int64]
     across: NDArray[np.int64]
     along: NDArray[np.int64]
+    count: NDArray[np.int64]
     period_steps: int
     period_count: int
-
-    @property
-    def groove_count(self) -> int:
-        """Number of grooves n."""
-        return len(self.wanted_ratio)
 
     @property
     def period(self) -> float:
@@ -77,15 +141,64 @@ class Mask:
         return self.across > 0
 
     @property
+    def arrays(self) -> tuple[ApertureArray, ...]:
+        """One array a groove that is not closed, left to right."""
+        return tuple(
+            ApertureArray(
+                (int(self.across[i]), int(self.along[i])),
+                Placement(
+                    (int(self.left[i]), int(self.bottom[i])),
+                    rows=int(self.count[i]),
+                    row_step=(0, self.period_steps),
+                ),
+            )
+            for i in np.flatnonzero(self.is_open)
+        )
+
+    @property
     def aperture_count(self) -> int:
         """Number of apertures in all."""
-        return int(np.count_nonzero(self.is_open)) * self.period_count
+        return int(self.count[self.is_open].sum())
 
     @property
     def aperture_ratio(self) -> NDArray[np.float64]:
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
-        area = self.across * self.along * self.period_count * GRID**2
+        area = self.across * self.along * self.count * GRID**2
         return area / (self.pitch * self.length)
+
+    @property
+    def wanted_ratio(self) -> NDArray[np.float64]:
+        """Aperture ratio that each groove's curvature needs, (n,) float64."""
+        return self.groove_ratio
+
+    def ratio_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean ratio as drawn over squares of side `cell` [mm], (along, across)."""
+        edge = square_edges(self.length, cell) / GRID
+        reach = edge[:, None] - self.bottom
+        whole = np.clip(np.floor(reach / self.period_steps), 0, self.count - 1)
+        rest = np.clip(reach - whole * self.period_steps, 0, self.along)
+        share = np.diff((whole * self.along + rest) * (self.across * GRID / self.pitch), axis=0)
+        return mean_over_grooves(share / np.diff(edge)[:, None], self.pitch, cell)
+
+    def wanted_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean of the wanted ratio over the same squares."""
+        rows = len(square_edges(self.length, cell)) - 1
+        return mean_over_grooves(np.tile(self.groove_ratio, (rows, 1)), self.pitch, cell)
+
+
+def square_edges(side: float, cell: float) -> NDArray[np.float64]:
+    """Return 0, cell, 2 cell, … and `side` [mm]: the last square is cut at the panel's edge."""
+    return np.append(np.arange(0.0, side - 1e-6 * cell, cell), side)
+
+
+def mean_over_grooves(value: NDArray[np.float64], pitch: float, cell: float) -> NDArray[np.float64]:
+    """Return (rows, n) values of grooves as means over squares of side `cell` [mm], by area."""
+    edge = square_edges(value.shape[1] * pitch, cell)
+    total = np.concatenate([np.zeros((len(value), 1)), np.cumsum(value, axis=1)], axis=1)
+    place = np.clip(edge / pitch, 0, value.shape[1])
+    low = np.minimum(place.astype(int), value.shape[1] - 1)
+    at = total[:, low] + (place - low) * (total[:, low + 1] - total[:, low])
+    return np.diff(at, axis=1) / np.diff(place)
 
 
 def build_mask(film: PrismFilm, process: Process, rules: MaskRules, name: str) -> Mask:
@@ -121,35 +234,40 @@ def build_mask(film: PrismFilm, process: Process, rules: MaskRules, name: str) -
     period_count = max(1, round(film.length / rules.period))
     period = length // period_count
     wanted = process.aperture_ratio_of_curvature(film.curvature)
-    across, along = _aperture_size(wanted, film, rules.pattern, length / period_count)
+    across, along = _aperture_size(wanted, edge, film, rules, length / period_count)
     check_rules(where, wanted, along, film, process, rules, length / period_count * GRID)
-    return Mask(
+    return GrooveMask(
         name=name,
         content_hash=hashlib.sha256(film.curvature.astype("<f8").tobytes()).hexdigest()[:12],
         rules=rules,
         pitch=film.groove.pitch,
         length=film.length,
-        wanted_ratio=wanted,
+        groove_count=film.groove_count,
+        groove_ratio=wanted,
         left=edge[:-1] + (np.diff(edge) - across) // 2,
         bottom=(length - period * period_count) // 2 + (period - along) // 2,
         across=across,
         along=along,
+        count=np.where(across > 0, period_count, 0),
         period_steps=period,
         period_count=period_count,
     )
 
 
 def _aperture_size(
-    ratio: NDArray[np.float64], film: PrismFilm, pattern: Pattern, period: float
+    ratio: NDArray[np.float64],
+    edge: NDArray[np.int64],
+    film: PrismFilm,
+    rules: MaskRules,
+    period: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return width across and length along of each groove's apertures [grid steps], 0 for none.
 
-    `period` is in grid steps, not yet rounded to the grid.
+    `edge` are the tips; `period` is in grid steps, not yet rounded to the grid.
     """
     pitch = film.groove.pitch / GRID
-    if pattern == "dot":
+    if rules.pattern != "slot":
         along = np.rint(np.sqrt(ratio * pitch * period)).astype(np.int64)
         return along, along
     along = np.rint(ratio * period).astype(np.int64)
-    groove_width = np.diff(np.rint(film.tip_position / GRID).astype(np.int64))
-    return np.where(along > 0, groove_width, 0), along
+    return np.where(along > 0, np.diff(edge), 0), along
