@@ -6,7 +6,7 @@ pitch p an aperture is
 
 * `slot`: p across, a · period along; equal neighbours make one slot across all the grooves;
 * `dot`, `staggered`, `angled`: a square of side sqrt(a · p · period), every groove's moved along by
-  0, by a quarter of the period forth and back, or by p · tan(angle) more than its neighbour's;
+  nothing, by half a period every other one, or by p · tan(angle) more than its neighbour's;
 
 so that apertures over groove area is a, but for rounding to the grid.
 """
@@ -234,7 +234,12 @@ def build_mask(film: PrismFilm, process: Process, rules: MaskRules, name: str) -
     period_count = max(1, round(film.length / rules.period))
     period = length // period_count
     wanted = process.aperture_ratio_of_curvature(film.curvature)
-    across, along = _aperture_size(wanted, edge, film, rules, length / period_count)
+    shift = _shift(rules, film.groove_count, film.groove.pitch / GRID, period)
+    # A lattice that is moved by less than a period has room for one aperture less.
+    count = period_count - (shift > 0)
+    if period_count == 1 and shift.any():
+        raise InputError(f"{where}: {rules.describe(film.length)}: allowed two periods or more")
+    across, along = _aperture_size(wanted, edge, film, rules, length / count)
     check_rules(where, wanted, along, film, process, rules, length / period_count * GRID)
     return GrooveMask(
         name=name,
@@ -245,13 +250,27 @@ def build_mask(film: PrismFilm, process: Process, rules: MaskRules, name: str) -
         groove_count=film.groove_count,
         groove_ratio=wanted,
         left=edge[:-1] + (np.diff(edge) - across) // 2,
-        bottom=(length - period * period_count) // 2 + (period - along) // 2,
+        bottom=(length - period * period_count) // 2 + (period - along) // 2 + shift,
         across=across,
         along=along,
-        count=np.where(across > 0, period_count, 0),
+        count=np.where(across > 0, count, 0),
         period_steps=period,
         period_count=period_count,
     )
+
+
+def _shift(rules: MaskRules, groove_count: int, pitch: float, period: int) -> NDArray[np.int64]:
+    """Return how far each groove's apertures are moved along, (n,) int64; grid steps.
+
+    Every other groove of a staggered lattice moves by half a period, a groove of an angled one by
+    pitch · tan(angle) more than its neighbour, less whole periods.
+    """
+    groove = np.arange(groove_count)
+    if rules.pattern == "staggered":
+        return groove % 2 * (period // 2)
+    if rules.pattern == "angled":
+        return np.rint(groove * (pitch * np.tan(rules.angle))).astype(np.int64) % period
+    return np.zeros(groove_count, dtype=np.int64)
 
 
 def _aperture_size(
@@ -259,11 +278,11 @@ def _aperture_size(
     edge: NDArray[np.int64],
     film: PrismFilm,
     rules: MaskRules,
-    period: float,
+    period: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return width across and length along of each groove's apertures [grid steps], 0 for none.
 
-    `edge` are the tips; `period` is in grid steps, not yet rounded to the grid.
+    `edge` are the tips; `period` (n,) is length over count in grid steps, not rounded to the grid.
     """
     pitch = film.groove.pitch / GRID
     if rules.pattern != "slot":
