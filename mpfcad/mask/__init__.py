@@ -5,9 +5,11 @@ rectangles; `write_mask` (gdstk) keeps those arrays symbolic; `check_mask` (klay
 groove's aperture ratio from the file alone. Drawn is open; lengths in a file are µm on a 1 nm grid.
 """
 
-from mpfcad.mask.aperture import GrooveMask, Mask, build_mask
+from mpfcad.mask.aperture import Mask
 from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
+from mpfcad.mask.build import build_mask
 from mpfcad.mask.check import MaskCheck, check_mask
+from mpfcad.mask.groove_mask import GrooveMask
 from mpfcad.mask.rule import PATTERNS, MaskRules, Pattern
 from mpfcad.mask.write import write_mask
 

@@ -85,7 +85,9 @@ class MaskRules:
 
 
 def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
-    """Return the side of a stochastic pattern's dots [mm].
+    """Return the (largest) side of a stochastic pattern's dots [mm].
+
+    Blue-noise dots are up to √2 smaller than that: one dot of a tile just becoming two.
 
     Raises
     ------
@@ -94,9 +96,10 @@ def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
     """
     largest = min(pitch, period) - rules.web_limit
     side = largest if rules.dot is None else rules.dot
-    if not rules.aperture_limit <= side * (1 + 1e-9) <= largest * (1 + 2e-9):
+    smallest = rules.aperture_limit * (2**0.5 if rules.pattern == "blue-noise" else 1)
+    if not smallest <= side * (1 + 1e-9) <= largest * (1 + 2e-9):
         raise InputError(
-            f"mask: dot {side / um:.4g} µm: allowed {rules.aperture_limit / um:.4g} … "
+            f"mask: dot {side / um:.4g} µm: allowed {smallest / um:.4g} … "
             f"{largest / um:.4g} µm ({rules.describe(period)})"
         )
     return side
