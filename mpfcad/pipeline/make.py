@@ -3,9 +3,11 @@
 from pathlib import Path
 
 from mpfcad.errors import InputError
-from mpfcad.mask import Mask, MaskRules
+from mpfcad.job import Job
+from mpfcad.mask import Mask
 from mpfcad.pipeline.plan import CURVATURE_FILE, Plan
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.screen import mask_rules
 
 MASK_FORMATS = ("oas", "gds")
 CAD_FORMATS = ("step", "stl")
@@ -23,8 +25,7 @@ def plan_mask(plan: Plan) -> Mask | None:
 
     if plan.process is None:
         return None
-    table = plan.job.mask
-    rules = MaskRules(table.pattern, table.period, table.min_aperture, table.min_web)
+    rules = mask_rules(plan.job.mask, plan.job.name)
     return build_mask(plan.panel, plan.process, rules, plan.job.name)
 
 
@@ -54,7 +55,7 @@ def write_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Prog
         write_stl(plan.piece, folder / "film.stl", plan.job.cad.angle_tolerance)
 
 
-def refuse_unprintable(plan: Plan, where: str) -> None:
+def refuse_unprintable(job: Job, where: str) -> None:
     """Refuse to make a mask of an `ideal` film.
 
     Raises
@@ -62,7 +63,7 @@ def refuse_unprintable(plan: Plan, where: str) -> None:
     InputError
         when the film's profile is `ideal`.
     """
-    if not plan.is_printable:
+    if job.film.profile != "filled":
         raise InputError(
             f"{where}: film.profile: ideal: resin cannot fill below the walls, so there is no "
             f"mask: must be 'filled'"

@@ -11,16 +11,17 @@ from mpfcad.pipeline.make import (
     CAD_FORMATS,
     MASK_FORMATS,
     plan_mask,
-    refuse_unprintable,
     write_cad,
     write_curvature,
     write_masks,
 )
+from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
+SCREEN = "screen.json"
 
 
 def default_out(job: Job) -> Path:
@@ -97,15 +98,16 @@ def make_mask(
     from mpfcad.mask import check_mask
 
     progress.stage(f"reading {job_file}")
-    plan = read_plan(job, job_file)
-    refuse_unprintable(plan, str(job_file))
-    mask = plan_mask(plan)
+    plan = read_mask_plan(job, job_file)
     with export_folder(out, "mask") as folder:
-        write_curvature(plan, folder)
-        write_masks(mask, folder, formats, progress)
+        if plan.plan is not None:
+            write_curvature(plan.plan, folder)
+        write_masks(plan.mask, folder, formats, progress)
         for name in formats:
             progress.stage(f"checking mask.{name}")
-            check_mask(folder / f"mask.{name}", mask)
+            check_mask(folder / f"mask.{name}", plan.mask)
+        progress.stage("writing screen.json")
+        write_text(folder / SCREEN, canonical_json(plan.describe()))
         write_manifest(folder, job.name, "mask")
 
 
