@@ -147,5 +147,6 @@ def _diffuse(density, first, before, dots):
             random = (state >> nb.uint64(33)) / 2147483648.0 - 0.5
             beside = before[j] if i == 0 else dots[i - 1, j]
             value = density[i, j] + error
-            dots[i, j] = value >= 0.5 + NOISE * random + REPULSION * beside
+            threshold = 0.5 + NOISE * random + REPULSION * beside
+            dots[i, j] = density[i, j] > 0 and value >= threshold
             error = value - dots[i, j]
