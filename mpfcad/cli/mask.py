@@ -10,9 +10,14 @@ from mpfcad.cli.option import JobFile, Out, formats
 def command(
     job_file: JobFile,
     out: Out = None,
-    format: Annotated[str, typer.Option("--format", metavar="LIST", help="Of oas, gds.")] = (
-        "oas,gds"
-    ),
+    format: Annotated[
+        str | None,
+        typer.Option(
+            "--format",
+            metavar="LIST",
+            help="Of oas, gds, dxf, gbr, svg, tif; default: what the job says.",
+        ),
+    ] = None,
     plan: Annotated[
         bool, typer.Option("--plan", help="Only say what screen the job needs; make no file.")
     ] = False,
@@ -22,8 +27,8 @@ def command(
     from mpfcad.job import read_job
     from mpfcad.pipeline import MASK_FORMATS, default_out, make_mask, read_mask_plan
 
-    chosen = formats(format, MASK_FORMATS)
     job = read_job(job_file)
+    chosen = tuple(job.mask.formats) if format is None else formats(format, MASK_FORMATS)
     if plan:
         from mpfcad.mask.screen import screen_lines
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from mpfcad.units import from_suffix
 
 Effort = Literal["quick", "standard", "final"]
+MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
@@ -129,6 +130,12 @@ class MaskTable(_Table):
     pixel_um: Annotated[Positive, Field(le=10_000)] | None = None
     viewing_distance_mm: Annotated[Positive, Field(le=100_000)] = 500.0
     mesh: MeshTable | None = None
+    formats: Annotated[list[MaskFormat], Field(min_length=1)] = ["oas", "gds"]
+    polarity: Literal["open", "closed"] = "open"
+    mirror: bool = False
+    emulsion_side: Literal["film", "squeegee"] = "film"
+    furniture: list[Literal["fiducial", "text", "coupon"]] = ["fiducial", "text", "coupon"]
+    tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
 
     @model_validator(mode="before")
     @classmethod

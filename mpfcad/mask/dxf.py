@@ -26,7 +26,7 @@ def write_dxf(drawing: Drawing, path: Path) -> None:
     import ezdxf
 
     with _without_date():
-        document = ezdxf.new("R12")
+        document = ezdxf.new("R12", units=0)
         for layer in LAYERS:
             document.layers.add(layer_name(layer))
         space = document.modelspace()

@@ -34,19 +34,22 @@ class Format:
         whether open can be drawn on closed
     place_size
         bytes that a place takes which is not part of a lattice
+    closes
+        whether polarity `closed` is offered
     """
 
     title: str
     write: Callable[[Drawing, Path], None]
     paints: bool
     place_size: float
+    closes: bool = True
 
 
 #: Suffix -> format.
 FORMATS = {
     "oas": Format("OASIS", write_oasis, False, 2),
     "gds": Format("GDSII", write_gdsii, False, 56),
-    "dxf": Format("DXF R12", write_dxf, False, 120),
+    "dxf": Format("DXF R12", write_dxf, False, 120, closes=False),
     "gbr": Format("Gerber RS-274X", write_gerber, True, 24),
     "svg": Format("SVG", write_svg, True, 40),
     "tif": Format("TIFF", write_tiff, True, 24),
@@ -68,6 +71,8 @@ def write_mask(mask: Mask, path: Path, phototool: Phototool | None = None) -> No
     if style is None:
         known = ", ".join(f".{suffix}" for suffix in FORMATS)
         raise InputError(f"{path}: mask format {path.suffix!r}: allowed {known}")
+    if not style.closes and phototool is not None and phototool.polarity == "closed":
+        raise InputError(f"{path}: mask.polarity: closed: allowed oas, gds, gbr, svg, tif")
     drawing = draw(mask, phototool or Phototool(), paints=style.paints)
     _check_size(path, style, drawing)
     try:
