@@ -1,6 +1,8 @@
 """A drawing as GDSII with gdstk: one cell for each shape, arrays of references to it."""
 
 import datetime
+import errno
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,11 +23,24 @@ LARGEST_ARRAY = 32_767
 #: GDSII stores when a file was made; this instant stands for "not told".
 TIMESTAMP = datetime.datetime(2000, 1, 1)
 _UM = GRID / um
+#: Kind of the last record.
+END_OF_LIBRARY = 4
 
 
 def write_gdsii(drawing: Drawing, path: Path) -> None:
     """Write `drawing` to `path`."""
     _Library(drawing).library.write_gds(path, timestamp=TIMESTAMP)
+    _check_whole(path)
+
+
+def _check_whole(path: Path) -> None:
+    """Refuse a file that a full disk cut short, which gdstk does not tell."""
+    data, place, kind = path.read_bytes(), 0, 0
+    while place + 4 <= len(data):
+        size, kind = int.from_bytes(data[place : place + 2]), data[place + 2]
+        place += max(size, 4)
+    if place != len(data) or kind != END_OF_LIBRARY:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 class _Library:

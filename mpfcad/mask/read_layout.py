@@ -140,7 +140,7 @@ def _cell_arrays(
             inner[index] = list(_cell_arrays(path, layout, layout.cell(index), layer))
         place = _placement(path, instance) if inner[index] else None
         for x, y, array in inner[index]:
-            if array.count == 1:
+            if layout.cell(index).is_leaf():
                 yield x, y, ApertureArray(array.shape, place)
             else:  # a tile
                 for a, b in place.positions():
