@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     import gdstk
 
 STEPS = um / GRID
+#: A cell is gone through place by place up to so many; beyond, its apertures are listed, so many
+#: at a time.
+FEW, MANY = 16, 1 << 20
 
 
 def read_oasis(path: Path) -> FoundMask:
@@ -72,9 +75,22 @@ def _arrays(path: Path, cell: "gdstk.Cell", layer: int) -> Iterator[ApertureArra
         x, y = (round(v * STEPS) for v in reference.origin)
         inner = list(_arrays(path, reference.cell, layer))
         if inner:
-            for at in _placement(reference.repetition, x, y).positions():
-                for array in inner:
-                    yield ApertureArray(array.shape, shift(array.place, at))
+            outer = _placement(reference.repetition, x, y)
+            for array in inner:
+                yield from _repeat(array, outer)
+
+
+def _repeat(array: ApertureArray, outer: Placement) -> Iterator[ApertureArray]:
+    """Yield an array of a cell at the places of the cell, which few or many arrays hold."""
+    if outer.count <= FEW:
+        for at in outer.positions():
+            yield ApertureArray(array.shape, shift(array.place, at))
+        return
+    places, inner = outer.positions(), array.place.positions()
+    many = max(1, MANY // len(inner))
+    for first in range(0, len(places), many):
+        offset = (places[first : first + many, None] + inner).reshape(-1, 2)
+        yield ApertureArray(array.shape, Placement((0, 0), offset=offset))
 
 
 def _placement(repetition: "gdstk.Repetition", x: int, y: int) -> Placement:

@@ -71,10 +71,7 @@ class Tally:
         if x.min(initial=x[0]) == x.max(initial=x[0]):
             self._add_listed(int(x[0]), y, *array.size)
             return
-        order = np.lexsort((y, x))
-        start = np.flatnonzero(np.diff(x[order], prepend=x.min() - 1))
-        for part in np.split(order, start[1:]):
-            self._add_listed(int(x[part[0]]), y[part], *array.size)
+        self._add_scattered(x, y, *array.size)
 
     def finish(self) -> None:
         """Add up the lattices."""
@@ -124,6 +121,42 @@ class Tally:
         reach = done * height + np.where(begun > done, self.along - last, 0)
         self._share_out(np.array([left]), np.array([left + width]), np.diff(reach)[:, None])
 
+    def _add_scattered(
+        self, left: NDArray[np.int64], bottom: NDArray[np.int64], width: int, height: int
+    ) -> None:
+        """Add apertures that are listed one by one, across and along."""
+        left, bottom = _sorted_columns(left, bottom)
+        self.count += len(left)
+        ends = (left[0], bottom.min(), left[-1] + width, bottom.max() + height)
+        self._grow_box(*map(int, ends))
+        gap = np.diff(bottom)[np.diff(left) == 0] - height
+        beside = np.diff(left)
+        overlap = np.flatnonzero((beside == 0) & (np.diff(bottom) < height))
+        if overlap.size:
+            at = left[overlap[0]]
+            groove = int(np.searchsorted(self.groove_edge, at, side="right")) - 1
+            raise ExportError(f"{self.path}: groove {groove} (counted from 0): apertures overlap")
+        self._note(min(width, height), int(gap.min()) if len(gap) else None)
+        groove, over = _split(self.groove_edge, left, width)
+        grooves = len(self.groove_area)
+        self.groove_area += height * np.bincount(groove, width - over, minlength=grooves)
+        cut = over > 0
+        self.groove_area += height * np.bincount(groove[cut] + 1, over[cut], minlength=grooves)
+        column, wide = _split(self.across, left, width)
+        row, high = _split(self.along, bottom, height)
+        rows, size = len(self.along) - 1, self._turned.size
+        square = column * rows + row
+        for aside, up, area in (
+            (0, 0, (width - wide) * (height - high)),
+            (0, 1, (width - wide) * high),
+            (1, 0, wide * (height - high)),
+            (1, 1, wide * high),
+        ):
+            some = area > 0
+            if some.any():
+                place = square[some] + aside * rows + up
+                self._turned.ravel()[:] += np.bincount(place, area[some], minlength=size)
+
     def _share_out(
         self, left: NDArray[np.int64], right: NDArray[np.int64], length: NDArray[np.float64]
     ) -> None:
@@ -159,3 +192,21 @@ def _lengths(columns: Columns, part: slice, edge: NDArray[np.float64]) -> NDArra
     reach = edge[:, None] - columns.bottom[part]
     whole = np.clip(np.floor(reach / step), 0, count - 1)
     return np.diff(whole * height + np.clip(reach - whole * step, 0, height), axis=0)
+
+
+def _split(
+    edge: NDArray, low: NDArray[np.int64], size: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return between which edges each stretch begins, and how much of it lies beyond the next."""
+    index = np.clip(np.searchsorted(edge, low, side="right") - 1, 0, len(edge) - 2)
+    over = np.clip(low + size - edge[index + 1], 0, None)
+    return index, np.where(index < len(edge) - 2, over, 0)
+
+
+def _sorted_columns(
+    x: NDArray[np.int64], y: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return places sorted by x, then y; both within ±2³¹."""
+    half, word = 1 << 31, (1 << 32) - 1
+    key = np.sort((x << 32) | (y + half))
+    return key >> 32, (key & word) - half
