@@ -12,6 +12,8 @@ from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, LAYERS, OUTLINE
 from mpfcad.mask.rule import GRID
 from mpfcad.units import um
 
+#: How far a coordinate may be from the grid: rounding of a decimal [grid steps].
+OFF_GRID = 1e-3
 _SVG = "{http://www.w3.org/2000/svg}"
 _FILL = re.compile(r"url\(#(\w+)\)")
 
@@ -59,6 +61,7 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
         for group in groups.get(LAYERS[layer], ()):
             yield from _arrays(path, group, tiles)
 
+    apertures = tuple(arrays())
     crosses = (p for group in groups.get(LAYERS[FIDUCIAL], ()) for p in group)
     return FoundMask(
         outline=_box(groups[LAYERS[OUTLINE]][0][0]),
@@ -67,8 +70,8 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
         fiducials=tuple(_polygon_box(cross.attrib["points"]) for cross in crosses),
         coupon=tuple(arrays(COUPON)),
         drawn="open",
-        arrays=arrays,
-        window=lambda box: region_of(arrays(), box),
+        arrays=lambda: iter(apertures),
+        window=lambda box: region_of(iter(apertures), box),
     )
 
 
@@ -126,5 +129,14 @@ def _polygon_box(points: str) -> Box:
 
 
 def _steps(text: str) -> int:
-    """Return a length in mm as grid steps."""
-    return round(float(text) / GRID)
+    """Return a length in mm as grid steps.
+
+    Raises
+    ------
+    ValueError
+        when it is off the grid.
+    """
+    steps = float(text) / GRID
+    if abs(steps - round(steps)) > OFF_GRID:
+        raise ValueError(f"{text}: off the 1 nm grid")
+    return round(steps)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
-from mpfcad.mask.rule import GRID
 from mpfcad.units import mm
 
 INCH = 25.4 * mm
@@ -18,6 +17,7 @@ INCH = 25.4 * mm
 WIDTH, HEIGHT, BITS, COMPRESSION, PHOTOMETRIC, DESCRIPTION = 256, 257, 258, 259, 262, 270
 X_RESOLUTION, UNIT, TILE_WIDTH, TILE_HEIGHT, OFFSETS, SIZES = 282, 296, 322, 323, 324, 325
 _TYPES = {2: (1, "c"), 3: (2, "H"), 4: (4, "I"), 5: (8, "II"), 16: (8, "Q")}
+_STANDARD = {BITS: (1,), UNIT: (2,)}
 DEFLATE, WHITE_IS_ZERO, PER_INCH = (8, 32946), 0, 2
 
 
@@ -65,7 +65,8 @@ def read_tiff(
         raise ExportError(f"{path}: not a readable mask: {error!r}") from None
     wanted = {BITS: (1,), PHOTOMETRIC: (WHITE_IS_ZERO,), UNIT: (PER_INCH,)}
     for tag, value in wanted.items():
-        if tags.get(tag) != value:
+        # A field that is left out has its standard value: one bit, per inch.
+        if tags.get(tag, _STANDARD.get(tag)) != value:
             raise ExportError(f"{path}: TIFF tag {tag}: {tags.get(tag)}: wanted {value}")
     if tags[COMPRESSION][0] not in DEFLATE:
         raise ExportError(f"{path}: TIFF compression {tags[COMPRESSION][0]}: wanted deflate")
@@ -83,7 +84,7 @@ def _corner(path: Path, text: tuple[str, ...]) -> tuple[int, int]:
     for line in text:
         words = line.split()
         if line.startswith("panel from pixel "):
-            return int(words[3]), int(words[8])
+            return int(words[3]), int(words[7])
     raise ExportError(f"{path}: description: wanted where the panel is")
 
 
