@@ -1,4 +1,4 @@
-"""A drawing as Gerber RS-274X with X2 attributes, in mm on the 1 nm grid.
+"""A drawing as Gerber RS-274X, in mm on the 1 nm grid; its X2 attributes stand in comments.
 
 One rectangular aperture a size, flashed; neighbours of the same lattice share one step-and-repeat
 block. A flash is named by its centre, so an odd size stands half a grid step to the left. What is
@@ -29,8 +29,8 @@ def write_gerber(drawing: Drawing, path: Path) -> None:
     with path.open("w", encoding="ascii", newline="\n") as file:
         for line in drawing.lines:
             file.write(f"G04 {line}*\n")
-        file.write("%FSLAX46Y46*%\n%MOMM*%\n%TF.FileFunction,Other,Screen mask*%\n")
-        file.write("%TF.Part,Single*%\n%LPD*%\nG01*\n")
+        file.write("G04 #@! TF.FileFunction,Other,Screen mask*\nG04 #@! TF.Part,Single*\n")
+        file.write("%FSLAX46Y46*%\n%MOMM*%\n%LPD*%\nG01*\n")
         artist = _Artist(file)
         artist.outline(drawing.width, drawing.length)
         for layer, points in drawing.polygons:
@@ -93,7 +93,7 @@ class _Artist:
 
     def _layer(self, layer: int) -> None:
         if layer != self.layer:
-            self.file.write(f"%TA.AperFunction,Other,{LAYERS[layer]}*%\n")
+            self.file.write(f"G04 #@! TA.AperFunction,Other,{LAYERS[layer]}*\n")
             self.layer, self.code = layer, 0
 
     def _use(self, shape: str) -> None:

@@ -1,6 +1,6 @@
 """Gerber RS-274X read again: a strict reader of the commands that a mask is made of.
 
-It knows FS, MO, AD (C and R), LP, SR, TA, TF, G01, G36, G37, D01 to D03 and G04; anything else is
+It knows FS, MO, AD (C and R), LP, SR, G01, G36, G37, D01 to D03 and G04; anything else is
 refused. Step-and-repeat blocks stay arrays.
 """
 
@@ -18,8 +18,8 @@ _FLASH = re.compile(r"X(-?\d+)Y(-?\d+)D0([123])\*")
 _RECTANGLE = re.compile(r"%ADD(\d+)R,([\d.]+)X([\d.]+)\*%")
 _CIRCLE = re.compile(r"%ADD(\d+)C,([\d.]+)\*%")
 _REPEAT = re.compile(r"%SRX(\d+)Y(\d+)I([\d.]+)J([\d.]+)\*%")
-_LAYER = re.compile(r"%TA\.AperFunction,Other,(\w+)\*%")
-_PASSED = ("G01*", "M02*", "%TF.FileFunction,Other,Screen mask*%", "%TF.Part,Single*%")
+_LAYER = re.compile(r"G04 #@! TA\.AperFunction,Other,(\w+)\*")
+_PASSED = ("G01*", "M02*")
 _NUMBERS = {name: layer for layer, name in LAYERS.items()}
 
 
@@ -94,7 +94,9 @@ class _Reader:
         found = _FLASH.fullmatch(line)
         if found:
             self._operate(int(found[1]), int(found[2]), int(found[3]))
-        elif line.startswith("G04 "):
+        elif line.startswith("G04 #@! TF."):
+            pass
+        elif line.startswith("G04 ") and not line.startswith("G04 #@!"):
             self.text.append(line[4:-1])
         elif line in ("%FSLAX46Y46*%", "%MOMM*%"):
             self.stated.add(line)
