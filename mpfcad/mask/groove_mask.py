@@ -11,6 +11,7 @@ pitch p an aperture is
 so that apertures over groove area is a, but for rounding to the grid.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,19 +62,14 @@ class GrooveMask(Mask):
         return self.across > 0
 
     @property
-    def arrays(self) -> tuple[ApertureArray, ...]:
+    def arrays(self) -> Iterator[ApertureArray]:
         """One array a groove that is not closed, left to right."""
-        return tuple(
-            ApertureArray(
-                (int(self.across[i]), int(self.along[i])),
-                Placement(
-                    (int(self.left[i]), int(self.bottom[i])),
-                    rows=int(self.count[i]),
-                    row_step=(0, self.period_steps),
-                ),
-            )
-            for i in np.flatnonzero(self.is_open)
-        )
+        step = (0, self.period_steps)
+        columns = (self.across, self.along, self.left, self.bottom, self.count)
+        table = np.stack(columns, axis=1)[self.is_open].tolist()
+        for across, along, left, bottom, count in table:
+            place = Placement((left, bottom), rows=count, row_step=step)
+            yield ApertureArray((across, along), place)
 
     @property
     def aperture_count(self) -> int:

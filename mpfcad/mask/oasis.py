@@ -7,6 +7,7 @@ number of arrays, not of apertures. Everything is written as it comes: memory do
 import itertools
 import zlib
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import BinaryIO
 
@@ -226,6 +227,7 @@ def _listed(offset: NDArray[np.int64]) -> tuple[tuple[int, int], bytes]:
     return first, b"\x0b" + head + _varints(pair.ravel())
 
 
+@lru_cache(maxsize=1 << 16)
 def _uint(value: int) -> bytes:
     """Return an unsigned integer, seven bits a byte."""
     out = bytearray()
