@@ -27,8 +27,9 @@ def command(
     from mpfcad.job import read_job
     from mpfcad.pipeline import MASK_FORMATS, default_out, make_mask, read_mask_plan
 
+    asked = None if format is None else formats(format, MASK_FORMATS)
     job = read_job(job_file)
-    chosen = tuple(job.mask.formats) if format is None else formats(format, MASK_FORMATS)
+    chosen = asked or tuple(job.mask.formats)
     if plan:
         from mpfcad.mask.screen import screen_lines
 

@@ -108,10 +108,13 @@ def test_an_xml_reader_finds_the_apertures_of_svg(tmp_path):
     assert area / (mask.width * mask.length) == pytest.approx(mask.aperture_ratio.mean(), rel=1e-9)
 
 
-@pytest.mark.parametrize("tool", [
+@pytest.mark.parametrize(
+    "tool",
+    [
         Phototool(dpi=5080, furniture=()),
         Phototool("closed", mirror=True, dpi=5080, furniture=()),
-    ])
+    ],
+)
 def test_pillow_reads_tiff(tmp_path, tool):
     """Edges within half a pixel across; the open area of each groove is right all the same."""
     mask = build([55.0, 57.5, 60.0, 61.0], length=40.0)
@@ -162,7 +165,9 @@ def narrow_file():
 
 def test_what_is_too_narrow_is_marked(tmp_path):
     found = narrow_file()
-    check = check_windows(found, MaskRules("slot", 0.4, 0.015, 0.015), sample_windows(found.outline))
+    check = check_windows(
+        found, MaskRules("slot", 0.4, 0.015, 0.015), sample_windows(found.outline)
+    )
     assert sorted({v.rule for v in check.violations}) == ["min_aperture", "min_web"]
     path = tmp_path / "m.lyrdb"
     write_markers(path, "mask.oas", check)
@@ -173,7 +178,9 @@ def test_what_is_too_narrow_is_marked(tmp_path):
     report.load(str(path))
     count = {category.path(): category.num_items() for category in report.each_category()}
     assert count == {"min_aperture": 1, "min_web": 1, "window": len(check.windows)}
-    markers = [v.edge_pair() for i in report.each_item() for v in i.each_value() if v.is_edge_pair()]
+    markers = [
+        v.edge_pair() for i in report.each_item() for v in i.each_value() if v.is_edge_pair()
+    ]
     assert sorted(round(pair.distance(), 3) for pair in markers) == [8.0, 9.0]
 
 

@@ -157,7 +157,10 @@ def aperture(top, groove):
     [
         (lambda top: top.remove(aperture(top, 7)), r"groove 7 .*aperture ratio 0\.0+: wanted"),
         (lambda top: aperture(top, 5).scale(1, 1.2), "groove 5 "),
-        (lambda top: top.labels[0].__setattr__("text", "other sha256:0"), "text: wanted 'test-job'"),
+        (
+            lambda top: top.labels[0].__setattr__("text", "other sha256:0"),
+            "text: wanted 'test-job'",
+        ),
         (lambda top: top.remove(*[p for p in top.polygons if p.layer == 20]), "coupon: wanted"),
     ],
 )
@@ -193,7 +196,11 @@ TEXTUAL = {
     "svg": [
         (r'height="([\d.]+)" fill="url', r'height="9" fill="url', "whole tiles|groove"),
         (r'viewBox="(\S+) 0 (\S+)', r'viewBox="\1 0 9', "one unit is"),
-        (r'(<rect x="0" y="0[.\d]*" width="0.05" height="[.\d]+)"', r'\g<1>4567"', "off the 1 nm grid"),
+        (
+            r'(<rect x="0" y="0[.\d]*" width="0.05" height="[.\d]+)"',
+            r'\g<1>4567"',
+            "off the 1 nm grid",
+        ),
         ("drawn = open", "drawn = closed", "is not what is painted"),
         (r'(<g class="aperture" fill=)"#000"', r'\1"#fff"', "wrong polarity"),
     ],
@@ -232,5 +239,5 @@ def test_a_broken_file_is_an_export_error(tmp_path, suffix):
     path = written(tmp_path / f"m.{suffix}", build())
     path.write_bytes(path.read_bytes()[:200])
     for bad in (path, tmp_path / f"absent.{suffix}"):
-        with pytest.raises(ExportError, match="not a readable|no element|no command of a mask"):
+        with pytest.raises(ExportError, match=r"not a readable|no element|no command of a mask"):
             check_mask(bad, build())
