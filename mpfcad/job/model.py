@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from mpfcad.units import from_suffix
 
 Effort = Literal["quick", "standard", "final"]
+MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
@@ -71,13 +72,78 @@ class ProcessTable(_Table):
     calibration: str | None = None
 
 
+class MeshTable(_Table):
+    """`[mask.mesh]`: the screen's mesh, by name or by count and thread, and how it is used."""
+
+    name: str | None = None
+    threads_per_cm: Annotated[Positive, Field(le=1000)] | None = None
+    thread_um: Annotated[Positive, Field(le=1000)] | None = None
+    thickness_um: Annotated[Positive, Field(le=1000)] | None = None
+    emulsion_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    angle_deg: Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)] = 22.5
+    release: Annotated[Positive, Field(le=1)] | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "MeshTable":
+        count = (self.threads_per_cm, self.thread_um)
+        if (self.name is None) == (None in count) or (self.name and any(count)):
+            raise ValueError("give either name or threads_per_cm and thread_um")
+        if self.name is not None and self.thickness_um is not None:
+            raise ValueError("a mesh by name has its own thickness: leave thickness_um out")
+        return self
+
+    @property
+    def thread(self) -> float:
+        """Diameter of the threads [mm]."""
+        return self._inside("thread_um")
+
+    @property
+    def thickness(self) -> float | None:
+        """Thickness of the fabric [mm], when it is known."""
+        return None if self.thickness_um is None else self._inside("thickness_um")
+
+    @property
+    def emulsion(self) -> float:
+        """How far the emulsion stands below the fabric [mm]."""
+        return self._inside("emulsion_um")
+
+    @property
+    def angle(self) -> float:
+        """Angle of the threads to the grooves [rad]."""
+        return self._inside("angle_deg")
+
+
+#: Periods of the patterns [µm] when the job gives none: cells as long as a groove is wide for dots.
+DEFAULT_PERIOD = {"staggered": 50.0, "angled": 50.0, "blue-noise": 50.0, "error-diffused": 50.0}
+
+
 class MaskTable(_Table):
     """`[mask]`: pattern and rules of the screen."""
 
-    pattern: Literal["slot", "dot"] = "slot"
+    pattern: Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"] = "slot"
     period_um: Annotated[Positive, Field(le=10_000)] = 400.0
     min_aperture_um: Positive = 15.0
     min_web_um: Positive = 15.0
+    angle_deg: Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)] = 22.5
+    dot_um: Annotated[Positive, Field(le=2000)] | None = None
+    levelling_length_mm: Annotated[Positive, Field(le=100)] = 1.0
+    pixel_um: Annotated[Positive, Field(le=10_000)] | None = None
+    viewing_distance_mm: Annotated[Positive, Field(le=100_000)] = 500.0
+    mesh: MeshTable | None = None
+    formats: Annotated[list[MaskFormat], Field(min_length=1)] = ["oas", "gds"]
+    polarity: Literal["open", "closed"] = "open"
+    mirror: bool = False
+    emulsion_side: Literal["film", "squeegee"] = "film"
+    furniture: list[Literal["fiducial", "text", "coupon"]] = ["fiducial", "text", "coupon"]
+    tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_period(cls, table: Any) -> Any:
+        if isinstance(table, dict) and "period_um" not in table:
+            period = DEFAULT_PERIOD.get(str(table.get("pattern")))
+            return table if period is None else {**table, "period_um": period}
+        return table
 
     @model_validator(mode="after")
     def _room(self) -> "MaskTable":
@@ -88,6 +154,31 @@ class MaskTable(_Table):
                 f"period_um = {self.period_um:g}"
             )
         return self
+
+    @property
+    def angle(self) -> float:
+        """Angle of the rows of an angled lattice to the across direction [rad]."""
+        return self._inside("angle_deg")
+
+    @property
+    def dot(self) -> float | None:
+        """Side of the dots of a stochastic pattern [mm], when it is given."""
+        return None if self.dot_um is None else self._inside("dot_um")
+
+    @property
+    def levelling_length(self) -> float:
+        """Over which the resin levels along a groove, full width at half maximum [mm]."""
+        return self._inside("levelling_length_mm")
+
+    @property
+    def pixel(self) -> float | None:
+        """Pitch of the display's pixels [mm], when it is given."""
+        return None if self.pixel_um is None else self._inside("pixel_um")
+
+    @property
+    def viewing_distance(self) -> float:
+        """From where the film is looked at [mm]."""
+        return self._inside("viewing_distance_mm")
 
     @property
     def period(self) -> float:

@@ -2,7 +2,8 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
+from types import NoneType
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -78,6 +79,11 @@ def _known_keys(location: tuple[Any, ...]) -> str:
     """Return the keys that the table at `location` knows."""
     model: type[BaseModel] = Job
     for part in location:
-        model = model.model_fields[part].annotation
+        model = _table_of(model.model_fields[part].annotation)
     keys = [field.alias or name for name, field in model.model_fields.items()]
     return "known: " + ", ".join(keys)
+
+
+def _table_of(annotation: Any) -> type[BaseModel]:
+    """Return the model of a table that may be left out (`Table | None`), or of one that may not."""
+    return next((kind for kind in get_args(annotation) if kind is not NoneType), annotation)

@@ -24,10 +24,23 @@ base_um = 200.0                 # thickness below the valleys
 # calibration = "process.toml"  # replaces the built-in one (docs/process.md)
 
 [mask]
-pattern = "slot"                # slots across the grooves; or "dot"
+pattern = "slot"                # slots across the grooves; dots: "dot" (square), "staggered",
+                                # "angled", "blue-noise", "error-diffused" (period 50)
 period_um = 400.0               # along the grooves
 min_aperture_um = 15.0
 min_web_um = 15.0
+formats = ["oas", "gds"]        # also "dxf", "gbr", "svg", "tif" (docs/mask-files.md)
+polarity = "open"               # what is drawn; or "closed"
+mirror = false                  # true: as seen from the film's side
+emulsion_side = "film"          # or "squeegee"
+furniture = ["fiducial", "text", "coupon"]
+levelling_length_mm = 1.0       # over which the resin levels along a groove
+# angle_deg = 22.5              # of an angled lattice
+# dot_um = 30.0                 # of a stochastic pattern; the largest that leaves the web
+# pixel_um = 363.0              # of the display, for the moiré
+# [mask.mesh]                   # of the screen (docs/mask.md): adds the mesh's own limits
+# name = "120-34"               # or threads_per_cm = 120.0 and thread_um = 34.0
+# release = 0.7                 # share of its volume that leaves it; replaces the calibration
 
 [cad]                           # what film.step and film.stl cover; the mask covers the panel
 extent = "pitch"                # one lamp pitch, or "panel"

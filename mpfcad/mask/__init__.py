@@ -1,22 +1,37 @@
-"""The screen's mask: film to apertures to OASIS and GDSII, and checked again from the file.
+"""The screen's mask: film to apertures to files, and checked again from each file.
 
-`build_mask` gives each groove the aperture ratio that its curvature needs, as one array of equal
-rectangles; `write_mask` (gdstk) keeps those arrays symbolic; `check_mask` (klayout) computes every
-groove's aperture ratio from the file alone. Drawn is open; lengths in a file are µm on a 1 nm grid.
+`build_mask` gives each groove the aperture ratio that its curvature needs, as arrays that are never
+flattened; `write_mask` draws them as OASIS, GDSII, DXF, Gerber, SVG or TIFF on a 1 nm grid, as a
+`Phototool` says; `check_mask` computes every groove's ratio from the file alone, with another
+library than wrote it.
 """
 
-from mpfcad.mask.aperture import Mask, build_mask
+from mpfcad.mask.aperture import Mask
+from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
+from mpfcad.mask.build import build_mask
 from mpfcad.mask.check import MaskCheck, check_mask
+from mpfcad.mask.drc import write_markers
+from mpfcad.mask.groove_mask import GrooveMask
+from mpfcad.mask.phototool import Phototool
+from mpfcad.mask.preview import write_preview
 from mpfcad.mask.rule import PATTERNS, MaskRules, Pattern
 from mpfcad.mask.write import write_mask
 
 __all__ = [
     "PATTERNS",
+    "ApertureArray",
+    "GrooveMask",
     "Mask",
     "MaskCheck",
     "MaskRules",
     "Pattern",
+    "Phototool",
+    "Placement",
+    "Tile",
+    "TileArray",
     "build_mask",
     "check_mask",
+    "write_markers",
     "write_mask",
+    "write_preview",
 ]

@@ -1,32 +1,19 @@
-"""From a film to apertures: per groove one array of equal rectangles, on a 1 nm grid.
+"""What every mask of a panel tells: its apertures as arrays and tiles, and its ratios."""
 
-The period is stretched by less than half of itself over the whole length so that a whole number of
-periods fills the panel: period = length / round(length / nominal period). With ratio a and groove
-pitch p an aperture is
-
-* `slot`: p across, a · period along; equal neighbours make one slot across all the grooves;
-* `dot`: a square of side sqrt(a · p · period);
-
-so that apertures over groove area is a, but for rounding to the grid.
-"""
-
-import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.errors import InputError
-from mpfcad.film import PrismFilm, Process, check_printable
-from mpfcad.mask.rule import GRID, MaskRules, Pattern, check_rules
-
-#: GDSII coordinates are 32-bit: no panel side may be longer [grid steps].
-LARGEST_SIDE = 2_100_000_000
+from mpfcad.mask.array import ApertureArray, TileArray
+from mpfcad.mask.rule import MaskRules
 
 
 @dataclass(frozen=True, eq=False)
-class Mask:
-    """The apertures of a panel, symbolic: one array of rectangles a groove.
+class Mask(ABC):
+    """What every mask of a panel tells; it is never flattened.
 
     Attributes
     ----------
@@ -38,14 +25,8 @@ class Mask:
         what was asked for
     pitch, length
         of the grooves [mm]
-    wanted_ratio
-        (n,) float64, the aperture ratio that each groove's curvature needs
-    left, bottom
-        (n,) int64 [grid steps], lower left corner of each groove's first aperture
-    across, along
-        (n,) int64 [grid steps], size of each groove's apertures; 0 where it has none
-    period_steps, period_count
-        distance of the apertures along the groove [grid steps], and how many there are
+    groove_count
+        number of grooves n
     """
 
     name: str
@@ -53,103 +34,97 @@ class Mask:
     rules: MaskRules
     pitch: float
     length: float
-    wanted_ratio: NDArray[np.float64]
-    left: NDArray[np.int64]
-    bottom: NDArray[np.int64]
-    across: NDArray[np.int64]
-    along: NDArray[np.int64]
-    period_steps: int
-    period_count: int
+    groove_count: int
 
     @property
-    def groove_count(self) -> int:
-        """Number of grooves n."""
-        return len(self.wanted_ratio)
+    def width(self) -> float:
+        """Extent across the grooves [mm]."""
+        return self.groove_count * self.pitch
 
     @property
+    @abstractmethod
     def period(self) -> float:
         """Distance of the apertures along the grooves as made [mm]."""
-        return self.period_steps * GRID
 
     @property
-    def is_open(self) -> NDArray[np.bool_]:
-        """Whether each groove has apertures, (n,) bool."""
-        return self.across > 0
+    @abstractmethod
+    def arrays(self) -> Iterable[ApertureArray]:
+        """Arrays of apertures, each within one groove; may be gone through again and again.
+
+        A dithered panel makes them as one goes, so that they never stand in memory together.
+        """
 
     @property
+    def tile_arrays(self) -> Iterable[TileArray]:
+        """Tiles of apertures, besides `arrays`."""
+        return ()
+
+    @property
+    @abstractmethod
     def aperture_count(self) -> int:
         """Number of apertures in all."""
-        return int(np.count_nonzero(self.is_open)) * self.period_count
 
     @property
+    @abstractmethod
     def aperture_ratio(self) -> NDArray[np.float64]:
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
-        area = self.across * self.along * self.period_count * GRID**2
-        return area / (self.pitch * self.length)
+
+    @property
+    @abstractmethod
+    def wanted_ratio(self) -> NDArray[np.float64]:
+        """Aperture ratio that each groove's curvature needs, its mean along, (n,) float64."""
+
+    @abstractmethod
+    def open_length(
+        self, first: int, count: int, position: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the ratio as drawn, integrated along from 0 to each position [mm].
+
+        Of `count` grooves from groove `first` on; (count, k) for (k,) positions.
+        """
+
+    @abstractmethod
+    def wanted_length(
+        self, first: int, count: int, position: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the wanted ratio, integrated like `open_length`."""
+
+    def ratio_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean ratio as drawn over squares of side `cell` [mm], (along, across).
+
+        Squares are counted from the panel's lower left corner; the last of a side are cut, and so
+        are apertures by the squares' edges along.
+        """
+        return self._map(self.open_length, cell)
+
+    def wanted_map(self, cell: float) -> NDArray[np.float64]:
+        """Return the mean of the wanted ratio over the same squares."""
+        return self._map(self.wanted_length, cell)
+
+    def _map(
+        self, integral: Callable[[int, int, NDArray], NDArray], cell: float
+    ) -> NDArray[np.float64]:
+        edge = square_edges(self.length, cell)
+        parts = [integral(first, count, edge) for first, count in blocks(self.groove_count)]
+        mean = np.diff(np.concatenate(parts), axis=1) / np.diff(edge)
+        return mean_over_grooves(mean.T, self.pitch, cell)
 
 
-def build_mask(film: PrismFilm, process: Process, rules: MaskRules, name: str) -> Mask:
-    """Return the mask that prints a film.
-
-    Parameters
-    ----------
-    film
-        the panel
-    process
-        gives each groove's aperture ratio
-    rules
-        pattern, period and what the screen maker can make
-    name
-        the job's name, printable ASCII
-
-    Raises
-    ------
-    InputError
-        one line naming the grooves (counted from 0), the values and what is allowed.
-    """
-    where = f"{name}: mask"
-    if film.profile != "filled":
-        raise InputError(f"{where}: profile '{film.profile}': allowed 'filled', resin only adds")
-    if not (name.isascii() and name.isprintable()):
-        raise InputError(f"{name!r}: mask: name: allowed printable ASCII")
-    check_printable(process, film.curvature, where)
-    edge = np.rint(film.tip_position / GRID).astype(np.int64)
-    length = round(film.length / GRID)
-    if max(length, int(edge[-1])) > LARGEST_SIDE:
-        side = max(film.length, film.width)
-        raise InputError(f"{where}: panel side {side:g} mm: allowed up to {LARGEST_SIDE * GRID:g}")
-    period_count = max(1, round(film.length / rules.period))
-    period = length // period_count
-    wanted = process.aperture_ratio_of_curvature(film.curvature)
-    across, along = _aperture_size(wanted, film, rules.pattern, length / period_count)
-    check_rules(where, wanted, along, film, process, rules, length / period_count * GRID)
-    return Mask(
-        name=name,
-        content_hash=hashlib.sha256(film.curvature.astype("<f8").tobytes()).hexdigest()[:12],
-        rules=rules,
-        pitch=film.groove.pitch,
-        length=film.length,
-        wanted_ratio=wanted,
-        left=edge[:-1] + (np.diff(edge) - across) // 2,
-        bottom=(length - period * period_count) // 2 + (period - along) // 2,
-        across=across,
-        along=along,
-        period_steps=period,
-        period_count=period_count,
-    )
+def blocks(count: int, size: int = 64) -> list[tuple[int, int]]:
+    """Return first and number of runs that `count` things are gone through in."""
+    return [(first, min(size, count - first)) for first in range(0, count, size)]
 
 
-def _aperture_size(
-    ratio: NDArray[np.float64], film: PrismFilm, pattern: Pattern, period: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return width across and length along of each groove's apertures [grid steps], 0 for none.
+def square_edges(side: float, cell: float) -> NDArray[np.float64]:
+    """Return 0, cell, 2 cell, … and `side` [mm]: the last square is cut at the panel's edge."""
+    return np.append(np.arange(0.0, side - 1e-6 * cell, cell), side)
 
-    `period` is in grid steps, not yet rounded to the grid.
-    """
-    pitch = film.groove.pitch / GRID
-    if pattern == "dot":
-        along = np.rint(np.sqrt(ratio * pitch * period)).astype(np.int64)
-        return along, along
-    along = np.rint(ratio * period).astype(np.int64)
-    groove_width = np.diff(np.rint(film.tip_position / GRID).astype(np.int64))
-    return np.where(along > 0, groove_width, 0), along
+
+def mean_over_grooves(value: NDArray[np.float64], pitch: float, cell: float) -> NDArray[np.float64]:
+    """Return (rows, n) values of grooves as means over squares of side `cell` [mm], by area."""
+    edge = square_edges(value.shape[1] * pitch, cell)
+    total = np.concatenate([np.zeros((len(value), 1)), np.cumsum(value, axis=1)], axis=1)
+    place = np.clip(edge / pitch, 0, value.shape[1])
+    low = np.minimum(place.astype(int), value.shape[1] - 1)
+    at = total[:, low] + (place - low) * (total[:, low + 1] - total[:, low])
+    return np.diff(at, axis=1) / np.diff(place)

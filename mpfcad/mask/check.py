@@ -1,29 +1,44 @@
-"""A mask file read back with klayout: each groove's aperture ratio, from the file alone.
+"""A mask file read back by another library than wrote it: ratios, features, text, furniture.
 
-The arrays are never flattened: an array of nx columns and ny rows of a rectangle becomes nx
-columns, and the overlap of each with each groove, times its rows, is that groove's open area.
+The arrays are never flattened. Each groove's and each square's open area, the smallest aperture and
+web, polarity, mirroring and furniture are found from the file alone and compared with what was
+wanted; klayout then looks at sampled windows.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
-from mpfcad.mask.aperture import Mask
-from mpfcad.mask.column import Columns, column_area, measure_webs
+from mpfcad.mask.aperture import Mask, square_edges
+from mpfcad.mask.array import ApertureArray
+from mpfcad.mask.drawing import draw
+from mpfcad.mask.drc import WindowCheck, check_windows, sample_windows
+from mpfcad.mask.found import FoundMask
+from mpfcad.mask.phototool import Phototool, Polarity
+from mpfcad.mask.read_gerber import read_gerber
+from mpfcad.mask.read_layout import read_layout
+from mpfcad.mask.read_oasis import read_oasis
+from mpfcad.mask.read_svg import read_svg
+from mpfcad.mask.read_tiff import read_tiff
 from mpfcad.mask.rule import GRID
-from mpfcad.mask.write import APERTURE, FIDUCIAL, OUTLINE, TEXT
-
-if TYPE_CHECKING:
-    import klayout.db as kdb
+from mpfcad.mask.tally import Tally
+from mpfcad.units import mm
 
 #: How far a groove's aperture ratio read back may be from the wanted one: 0.1 percentage point.
 RATIO_TOLERANCE = 0.001
-#: Database unit of a mask file [µm].
-DATABASE_UNIT = 0.001
+#: Side of the squares of the ratio map.
+SQUARE = 1.0 * mm
+READERS: dict[str, Callable[[Path], FoundMask]] = {
+    "oas": read_oasis,
+    "gds": read_layout,
+    "dxf": read_layout,
+    "gbr": read_gerber,
+    "svg": read_svg,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,36 +48,49 @@ class MaskCheck:
     Attributes
     ----------
     aperture_ratio
-        (n,) float64, open area over area of each groove
+        (n,) float64, open area over area of each groove; neither mirrored nor inverted
     aperture_ratio_error_max
         largest distance from the wanted aperture ratio
+    ratio_map
+        (along, across) float64, open area over area of squares of 1 mm
+    ratio_map_error_max
+        largest distance from what the mask should have there
     aperture_count
-        number of apertures
+        number of apertures; None where webs or pixels are drawn
     smallest_aperture, smallest_web
-        narrowest opening, and narrowest stretch between openings; None on a mask without any
+        narrowest opening, and narrowest stretch between openings; None where there is none, or
+        where webs or pixels are drawn
     width, length
-        of the outline
+        of the panel
     unit
-        database unit [µm]
+        database unit, or pixel [µm]
+    snap_error
+        how far an edge may be from where it should be
     fiducial_count
-        crosses outside the outline
+        crosses outside the outline; None where pixels are drawn
     text
         the lines of text
+    windows
+        what klayout found in sampled windows; None where pixels are drawn
     """
 
     aperture_ratio: NDArray[np.float64]
     aperture_ratio_error_max: float
-    aperture_count: int
+    ratio_map: NDArray[np.float64]
+    ratio_map_error_max: float
+    aperture_count: int | None
     smallest_aperture: float | None
     smallest_web: float | None
     width: float
     length: float
     unit: float
-    fiducial_count: int
+    snap_error: float
+    fiducial_count: int | None
     text: tuple[str, ...]
+    windows: WindowCheck | None
 
 
-def check_mask(path: Path, mask: Mask) -> MaskCheck:
+def check_mask(path: Path, mask: Mask, phototool: Phototool | None = None) -> MaskCheck:
     """Read a mask file and compare it with what was wanted of `mask`.
 
     Raises
@@ -70,156 +98,179 @@ def check_mask(path: Path, mask: Mask) -> MaskCheck:
     ExportError
         when anything is not as wanted; a groove (counted from 0) is named.
     """
-    import klayout.db as kdb
-
     path = Path(path)
-    layout = kdb.Layout()
-    try:
-        layout.read(str(path))
-        top = layout.top_cell()
-    except RuntimeError as error:
-        raise ExportError(f"{path}: not a readable mask: {' '.join(str(error).split())}") from None
-    if top is None or abs(layout.dbu - DATABASE_UNIT) > 1e-12:
-        raise ExportError(f"{path}: database unit {layout.dbu:g} µm: wanted {DATABASE_UNIT:g}")
-    outline = _read_outline(path, layout, top)
-    fiducials, text = _read_furniture(path, layout, top, outline)
-    columns = _read_columns(path, layout, top)
-    _check_panel(path, mask, outline, columns)
+    phototool = phototool or Phototool()
+    suffix = path.suffix.removeprefix(".")
+    if not path.is_file() or suffix not in (*READERS, "tif"):
+        raise ExportError(f"{path}: not a readable mask: no such file")
+    if suffix == "tif":
+        return _check_pixels(path, mask, phototool)
+    return _check_arrays(path, mask, phototool, READERS[suffix](path))
 
+
+def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask) -> MaskCheck:
+    width, length = round(mask.width / GRID), round(mask.length / GRID)
+    if found.outline != (0, 0, width, length):
+        raise ExportError(f"{path}: outline {found.outline}: wanted {(0, 0, width, length)} (nm)")
+    tally = Tally(path, _groove_edges(mask, phototool), *_squares(mask, phototool))
+    for array in found.arrays():
+        tally.add(array)
+    is_open = found.drawn == "open"
+    tally.finish()
+    if tally.box and (min(tally.box) < 0 or tally.box[2] > width or tally.box[3] > length):
+        raise ExportError(f"{path}: an aperture outside the outline")
+    ratio, squares = _ratios(mask, tally.groove_area, tally.square_area, phototool, found.drawn)
+    error = _ratio_error(path, mask, ratio)
+    if is_open and tally.count != mask.aperture_count:
+        raise ExportError(f"{path}: {tally.count} apertures: wanted {mask.aperture_count}")
+    _check_text(path, mask, phototool, found.text)
+    _check_furniture(path, mask, phototool, found)
+    if is_open:
+        tally.measure()
+        _check_features(path, mask, tally)
+    windows = check_windows(
+        found, mask.rules, sample_windows(found.outline, _extremes(mask, phototool, ratio))
+    )
+    return MaskCheck(
+        aperture_ratio=ratio,
+        aperture_ratio_error_max=error,
+        ratio_map=squares,
+        ratio_map_error_max=float(np.abs(squares - mask.ratio_map(SQUARE)).max()),
+        aperture_count=tally.count if is_open else None,
+        smallest_aperture=_in_mm(tally.smallest_aperture),
+        smallest_web=_in_mm(tally.smallest_web),
+        width=width * GRID,
+        length=length * GRID,
+        unit=found.unit,
+        snap_error=found.snap_error,
+        fiducial_count=len(found.fiducials),
+        text=found.text,
+        windows=windows,
+    )
+
+
+def _check_pixels(path: Path, mask: Mask, phototool: Phototool) -> MaskCheck:
+    along, across = square_edges(mask.length, SQUARE), square_edges(mask.width, SQUARE)
+    if phototool.mirror:
+        across = mask.width - across[::-1]
+    found = read_tiff(path, mask.width, mask.length, (along, across))
+    tips = _groove_edges(mask, phototool) * (GRID / found.pixel)
+    total = np.concatenate([[0.0], np.cumsum(found.column_area)])
+    area = np.diff(np.interp(tips, np.arange(len(total)), total)) * (found.pixel / GRID) ** 2
+    squares = found.square_area / found.square_pixels
+    grid = np.outer(np.diff(along), np.diff(across)) / GRID**2
+    ratio, squares = _ratios(mask, area, squares * grid, phototool, phototool.polarity)
+    error = _ratio_error(path, mask, ratio)
+    _check_text(path, mask, phototool, found.text)
+    return MaskCheck(
+        aperture_ratio=ratio,
+        aperture_ratio_error_max=error,
+        ratio_map=squares,
+        ratio_map_error_max=float(np.abs(squares - mask.ratio_map(SQUARE)).max()),
+        aperture_count=None,
+        smallest_aperture=None,
+        smallest_web=None,
+        width=mask.width,
+        length=mask.length,
+        unit=found.pixel * 1000,
+        snap_error=found.pixel / 2,
+        fiducial_count=None,
+        text=found.text,
+        windows=None,
+    )
+
+
+def _groove_edges(mask: Mask, phototool: Phototool) -> NDArray[np.int64]:
+    """Return the tips as they are in the file, left to right [grid steps]."""
     edge = np.rint(np.arange(mask.groove_count + 1) * mask.pitch / GRID).astype(np.int64)
-    area = column_area(columns, edge)
-    ratio = area * GRID**2 / (mask.pitch * mask.length)
-    error = np.abs(ratio - mask.wanted_ratio)
+    return edge[-1] - edge[::-1] if phototool.mirror else edge
+
+
+def _squares(mask: Mask, phototool: Phototool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the edges of the squares along and across as they are in the file [grid steps]."""
+    along = square_edges(mask.length, SQUARE) / GRID
+    across = square_edges(mask.width, SQUARE) / GRID
+    return along, across[-1] - across[::-1] if phototool.mirror else across
+
+
+def _ratios(
+    mask: Mask,
+    groove_area: NDArray[np.float64],
+    square_area: NDArray[np.float64],
+    phototool: Phototool,
+    drawn: Polarity,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return open over whole area a groove and a square, neither mirrored nor inverted."""
+    along, across = _squares(mask, phototool)
+    ratio = groove_area * GRID**2 / (mask.pitch * mask.length)
+    squares = square_area / np.outer(np.diff(along), np.diff(across))
+    if drawn == "closed":
+        ratio, squares = 1 - ratio, 1 - squares
+    if phototool.mirror:
+        ratio, squares = ratio[::-1], squares[:, ::-1]
+    return ratio, squares
+
+
+def _extremes(mask: Mask, phototool: Phototool, ratio: NDArray[np.float64]) -> tuple[int, ...]:
+    """Return x of the grooves with the smallest and the largest ratio [grid steps]."""
+    grooves = np.array([np.argmin(ratio), np.argmax(ratio)])
+    if phototool.mirror:
+        grooves = mask.groove_count - 1 - grooves
+    return tuple(round(float(g + 0.5) * mask.pitch / GRID) for g in grooves)
+
+
+def _ratio_error(path: Path, mask: Mask, ratio: NDArray[np.float64]) -> float:
+    """Return the largest error of a groove's ratio."""
+    wanted = mask.wanted_ratio
+    error = np.abs(ratio - wanted)
     worst = int(np.argmax(error))
     if not error[worst] <= RATIO_TOLERANCE:
         raise ExportError(
             f"{path}: groove {worst} (counted from 0): aperture ratio {ratio[worst]:.5f}: "
-            f"wanted {mask.wanted_ratio[worst]:.5f} ± {RATIO_TOLERANCE:g}"
+            f"wanted {wanted[worst]:.5f} ± {RATIO_TOLERANCE:g}"
         )
-    _check_furniture(path, mask, columns, fiducials, text)
-    aperture, web = measure_webs(str(path), columns, mask.pitch / GRID)
+    return float(error[worst])
+
+
+def _check_features(path: Path, mask: Mask, tally: Tally) -> None:
+    """Refuse apertures and webs that are too small."""
     for name, size, limit in (
-        ("aperture", aperture, mask.rules.min_aperture),
-        ("web", web, mask.rules.min_web),
+        ("aperture", tally.smallest_aperture, mask.rules.aperture_limit),
+        ("web", tally.smallest_web, mask.rules.web_limit),
     ):
         if size is not None and size * GRID < limit - 2 * GRID:
             raise ExportError(f"{path}: smallest {name} {size * GRID:g} mm: wanted {limit:g} mm")
-    return MaskCheck(
-        aperture_ratio=ratio,
-        aperture_ratio_error_max=float(error[worst]),
-        aperture_count=columns.aperture_count,
-        smallest_aperture=None if aperture is None else aperture * GRID,
-        smallest_web=None if web is None else web * GRID,
-        width=outline.width() * GRID,
-        length=outline.height() * GRID,
-        unit=layout.dbu,
-        fiducial_count=fiducials,
-        text=text,
-    )
 
 
-def _read_outline(path: Path, layout: "kdb.Layout", top: "kdb.Cell") -> "kdb.Box":
-    layer = layout.find_layer(OUTLINE, 0)
-    shapes = [] if layer is None else list(top.shapes(layer).each())
-    if len(shapes) != 1 or not shapes[0].is_box():
-        raise ExportError(f"{path}: layer {OUTLINE}/0: wanted one rectangle, the panel's outline")
-    return shapes[0].box
-
-
-def _read_furniture(
-    path: Path, layout: "kdb.Layout", top: "kdb.Cell", outline: "kdb.Box"
-) -> tuple[int, tuple[str, ...]]:
-    """Return the number of fiducials, all outside the outline, and the lines of text."""
-    fiducials = 0
-    layer = layout.find_layer(FIDUCIAL, 0)
-    if layer is not None:
-        for shape in top.begin_shapes_rec(layer):
-            if shape.shape().bbox().transformed(shape.trans()).overlaps(outline):
-                raise ExportError(f"{path}: layer {FIDUCIAL}/0: a fiducial inside the panel")
-            fiducials += 1
-    layer = layout.find_layer(TEXT, 0)
-    shapes = [] if layer is None else top.shapes(layer).each()
-    return fiducials, tuple(shape.text_string for shape in shapes if shape.is_text())
-
-
-def _read_columns(path: Path, layout: "kdb.Layout", top: "kdb.Cell") -> Columns:
-    """Return every aperture of the file as columns along y."""
-    layer = layout.find_layer(APERTURE, 0)
-    if layer is None:
-        return Columns.build([])
-    found: list[tuple[int, ...]] = []
-    for shape in top.shapes(layer).each():
-        found.append((*_box(path, top, shape), 1, 0, 1, 0))
-    rectangles: dict[int, tuple[int, int, int, int] | None] = {}
-    for instance in top.each_inst():
-        index = instance.cell_index
-        if index not in rectangles:
-            rectangles[index] = _rectangle(path, layout.cell(index), layer)
-        rectangle = rectangles[index]
-        if rectangle is None:
-            continue
-        found.append(_array(path, instance, rectangle))
-    return Columns.build(found)
-
-
-def _rectangle(path: Path, cell: "kdb.Cell", layer: int) -> tuple[int, int, int, int] | None:
-    """Return left, bottom, width, height of the cell's one aperture; None when it has none."""
-    if cell.bbox(layer).empty():
-        return None
-    shapes = list(cell.shapes(layer).each())
-    if len(shapes) != 1 or cell.child_instances():
-        raise ExportError(f"{path}: cell {cell.name}: wanted one aperture")
-    return _box(path, cell, shapes[0])
-
-
-def _box(path: Path, cell: "kdb.Cell", shape: "kdb.Shape") -> tuple[int, int, int, int]:
-    if not shape.is_box():
-        raise ExportError(f"{path}: cell {cell.name}: an aperture that is no rectangle")
-    box = shape.box
-    return box.left, box.bottom, box.width(), box.height()
-
-
-def _array(
-    path: Path, instance: "kdb.Instance", rectangle: tuple[int, int, int, int]
-) -> tuple[int, ...]:
-    """Return left, bottom, width, height, columns, their step, rows, their step of an array."""
-    trans = instance.trans
-    if instance.is_complex() or trans.rot != 0:
-        raise ExportError(f"{path}: cell {instance.cell.name}: turned or scaled")
-    nx, step_x, ny, step_y = 1, 0, 1, 0
-    for count, step in ((instance.na, instance.a), (instance.nb, instance.b)):
-        if count <= 1:
-            continue
-        if step.x and not step.y and nx == 1:
-            nx, step_x = count, step.x
-        elif step.y and not step.x and ny == 1:
-            ny, step_y = count, step.y
-        else:
-            raise ExportError(f"{path}: cell {instance.cell.name}: an oblique array")
-    left, bottom, width, height = rectangle
-    left += trans.disp.x + min(0, (nx - 1) * step_x)
-    bottom += trans.disp.y + min(0, (ny - 1) * step_y)
-    return left, bottom, width, height, nx, abs(step_x), ny, abs(step_y)
-
-
-def _check_panel(path: Path, mask: Mask, outline: "kdb.Box", columns: Columns) -> None:
-    """Refuse a wrong outline and apertures outside it."""
-    wanted = (0, 0, round(mask.groove_count * mask.pitch / GRID), round(mask.length / GRID))
-    if (outline.left, outline.bottom, outline.right, outline.top) != wanted:
-        raise ExportError(f"{path}: outline {outline}: wanted {wanted} (1 nm steps)")
-    if not columns.is_inside(*wanted):
-        raise ExportError(f"{path}: an aperture outside the outline")
-
-
-def _check_furniture(
-    path: Path, mask: Mask, columns: Columns, fiducials: int, text: tuple[str, ...]
-) -> None:
-    """Refuse a wrong number of apertures or fiducials, and a text without name and hash."""
-    if columns.aperture_count != mask.aperture_count:
-        raise ExportError(
-            f"{path}: {columns.aperture_count} apertures: wanted {mask.aperture_count}"
-        )
-    if fiducials != 4:
-        raise ExportError(f"{path}: {fiducials} fiducials: wanted 4")
-    if not any(mask.name in line and mask.content_hash in line for line in text):
+def _check_text(path: Path, mask: Mask, phototool: Phototool, text: tuple[str, ...]) -> None:
+    """Refuse a text without name and hash, or with another polarity, view or emulsion side."""
+    if f"{mask.name} sha256:{mask.content_hash}" not in text:
         raise ExportError(f"{path}: text: wanted {mask.name!r} with hash {mask.content_hash}")
+    if phototool.statement not in text:
+        raise ExportError(f"{path}: text: wanted {phototool.statement!r}")
+
+
+def _check_furniture(path: Path, mask: Mask, phototool: Phototool, found: FoundMask) -> None:
+    """Refuse a wrong number of fiducials, one inside the panel, and another coupon."""
+    wanted = 4 if "fiducial" in phototool.furniture else 0
+    if len(found.fiducials) != wanted:
+        raise ExportError(f"{path}: {len(found.fiducials)} fiducials: wanted {wanted}")
+    left, bottom, right, top = found.outline
+    for box in found.fiducials:
+        if box[2] > left and box[0] < right and box[3] > bottom and box[1] < top:
+            raise ExportError(f"{path}: a fiducial inside the panel")
+    if _patches(found.coupon) != _patches(draw(mask, phototool, paints=True).coupon):
+        raise ExportError(f"{path}: coupon: wanted the step wedge")
+
+
+def _patches(coupon: tuple[ApertureArray, ...]) -> list[tuple[int, ...]]:
+    """Return the patches of a wedge: place, size, number and distance of their slots."""
+    return sorted(
+        (*array.place.origin, *array.size, array.place.rows, max(1, array.place.rows) > 1
+         and array.place.row_step[1])
+        for array in coupon
+    )  # fmt: skip
+
+
+def _in_mm(steps: int | None) -> float | None:
+    return None if steps is None else steps * GRID

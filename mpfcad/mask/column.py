@@ -100,16 +100,23 @@ def measure_webs(path: str, columns: Columns, pitch: float) -> tuple[int | None,
     many = columns.count > 1
     webs = [(columns.step - columns.height)[many]]
     refuse(np.flatnonzero(many & (columns.step < columns.height)))
-    # Columns on top of each other (an array that was split) are one column.
-    stacked = (columns.left[1:] == columns.left[:-1]) & (columns.right[1:] == columns.right[:-1])
-    gap = columns.bottom[1:] - columns.top[:-1]
-    refuse(np.flatnonzero(stacked & (gap < 0)))
+    columns = _unravel(columns)
+    # Columns over each other across are one strip; in it they stand on top of each other.
+    reach = np.maximum.accumulate(columns.right)
+    strip = np.concatenate([[0], np.cumsum(columns.left[1:] >= reach[:-1])])
+    order = np.lexsort((columns.bottom, strip))
+    strip, bottom, top = strip[order], columns.bottom[order], columns.top[order]
+    stacked = strip[1:] == strip[:-1]
+    gap = bottom[1:] - top[:-1]
+    refuse(order[1:][stacked & (gap < 0)])
     webs.append(gap[stacked])
-    # Column beside column.
-    gap = (columns.left[1:] - columns.right[:-1])[~stacked]
-    refuse(np.flatnonzero(~stacked)[gap < 0])
     start = np.concatenate([[0], np.flatnonzero(~stacked) + 1])
-    bottom, height = columns.bottom[start], columns.height[start]
+    left = np.minimum.reduceat(columns.left[order], start)
+    right = np.maximum.reduceat(columns.right[order], start)
+    width = np.minimum.reduceat((columns.right - columns.left)[order], start)
+    # Strip beside strip: joined where their first rectangles meet.
+    gap = left[1:] - right[:-1]
+    bottom, height = bottom[start], columns.height[order][start]
     neck = np.minimum((bottom + height)[1:], (bottom + height)[:-1]) - np.maximum(
         bottom[1:], bottom[:-1]
     )
@@ -117,7 +124,27 @@ def measure_webs(path: str, columns: Columns, pitch: float) -> tuple[int | None,
     webs += [gap[gap > 0], -neck[(gap == 0) & ~joined]]
     run = np.concatenate([[0], np.flatnonzero(~joined) + 1])
     run_end = np.concatenate([run[1:], [len(start)]]) - 1
-    across = columns.right[start][run_end] - columns.left[start][run]
+    across = np.where(run == run_end, width[run], right[run_end] - left[run])
     smallest = min(columns.height.min(), across.min(), neck[joined].min(initial=across.max()))
     web = np.concatenate(webs)
     return int(smallest), int(web.min()) if web.size else None
+
+
+def _unravel(columns: Columns) -> Columns:
+    """Return the columns with those that stand between each other's rectangles taken apart."""
+    same = (columns.left[1:] < columns.right[:-1]) & (columns.bottom[1:] < columns.top[:-1])
+    same &= (columns.left[1:] == columns.left[:-1]) & (columns.right[1:] == columns.right[:-1])
+    same &= columns.bottom[1:] >= columns.bottom[:-1] + columns.height[:-1]
+    tangled = np.isin(columns.left, columns.left[1:][same]) & (columns.count > 1)
+    if not tangled.any():
+        return columns
+    table = (columns.left, columns.right, columns.bottom, columns.height, columns.step)
+    count = np.where(tangled, columns.count, 1)
+    left, right, bottom, height, step = (np.repeat(values, count) for values in table)
+    number = np.arange(len(left)) - np.repeat(np.cumsum(count) - count, count)
+    bottom = bottom + number * step
+    loose = np.repeat(tangled, count)
+    kept = np.repeat(columns.count, count)
+    order = np.lexsort((bottom, right, left))
+    step, kept = np.where(loose, 0, step), np.where(loose, 1, kept)
+    return Columns(*(v[order] for v in (left, right, bottom, height, step, kept)))

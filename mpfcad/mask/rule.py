@@ -8,10 +8,20 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm, Process, groove_ranges
-from mpfcad.units import nm, um
+from mpfcad.mask.mesh import MESHES, Mesh, coarsest_mesh
+from mpfcad.units import deg, nm, um
 
-Pattern = Literal["slot", "dot"]
-PATTERNS: tuple[Pattern, ...] = ("slot", "dot")
+Pattern = Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"]
+PATTERNS: tuple[Pattern, ...] = (
+    "slot",
+    "dot",
+    "staggered",
+    "angled",
+    "blue-noise",
+    "error-diffused",
+)
+#: Patterns that leave cells closed instead of making their aperture smaller.
+STOCHASTIC: tuple[Pattern, ...] = ("blue-noise", "error-diffused")
 #: Coordinates are whole numbers of this many mm.
 GRID = nm
 
@@ -23,30 +33,90 @@ class MaskRules:
     Attributes
     ----------
     pattern
-        `slot` or `dot`
+        one of `PATTERNS`
     period
-        nominal distance of the apertures along the grooves
+        nominal distance of the apertures, or of a stochastic pattern's cells, along the grooves
     min_aperture
         smallest width of an opening
     min_web
         smallest width of what stands between openings
+    angle
+        of the rows of dots of an `angled` lattice against the across direction [rad]
+    dot
+        side of a stochastic pattern's dots; None: the largest that leaves `min_web`
+    levelling_length
+        over which the resin levels along a groove (full width at half maximum)
+    mesh
+        the screen's mesh, whose own smallest feature counts too; None: no mesh rule
     """
 
     pattern: Pattern
     period: float
     min_aperture: float
     min_web: float
+    angle: float = 22.5 * deg
+    dot: float | None = None
+    levelling_length: float = 1.0
+    mesh: Mesh | None = None
+
+    @property
+    def is_stochastic(self) -> bool:
+        """Whether cells stay closed instead of apertures getting smaller."""
+        return self.pattern in STOCHASTIC
+
+    @property
+    def aperture_limit(self) -> float:
+        """Smallest aperture [mm], of screen maker and mesh."""
+        return max(self.min_aperture, self.mesh.min_feature if self.mesh else 0.0)
+
+    @property
+    def web_limit(self) -> float:
+        """Smallest web [mm], of screen maker and mesh."""
+        return max(self.min_web, self.mesh.min_feature if self.mesh else 0.0)
+
+    def describe(self, period: float) -> str:
+        """Return the rules as text for a message; `period` [mm] is the stretched one."""
+        by_mesh = f" (mesh {self.mesh.name})" if self.mesh else ""
+        return (
+            f"{self.pattern} period {period / um:.4g} µm, "
+            f"min_aperture {self.aperture_limit / um:.4g} µm, "
+            f"min_web {self.web_limit / um:.4g} µm{by_mesh}"
+        )
+
+
+def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
+    """Return the (largest) side of a stochastic pattern's dots [mm].
+
+    Blue-noise dots are up to √2 smaller than that: one dot of a tile just becoming two.
+
+    Raises
+    ------
+    InputError
+        when no dot of that side fits a cell of `pitch` × `period` [mm].
+    """
+    largest = min(pitch, period) - rules.web_limit
+    side = largest if rules.dot is None else rules.dot
+    smallest = rules.aperture_limit * (2**0.5 if rules.pattern == "blue-noise" else 1)
+    if not smallest <= side * (1 + 1e-9) <= largest * (1 + 2e-9):
+        raise InputError(
+            f"mask: dot {side / um:.4g} µm: allowed {smallest / um:.4g} … "
+            f"{largest / um:.4g} µm ({rules.describe(period)})"
+        )
+    return side
 
 
 def ratio_range(rules: MaskRules, pitch: float, period: float) -> tuple[float, float]:
     """Return the smallest and largest aperture ratio above 0 that the rules allow (lengths in mm).
 
-    Between dots the web counts across and along; a slot has its web along only.
+    Between dots the web counts across and along; a slot has its web along only. A stochastic
+    pattern reaches any ratio down to 0.
     """
     if rules.pattern == "slot":
-        return rules.min_aperture / period, 1 - rules.min_web / period
-    side = max(0.0, min(pitch, period) - rules.min_web)
-    return rules.min_aperture**2 / (pitch * period), side**2 / (pitch * period)
+        return rules.aperture_limit / period, 1 - rules.web_limit / period
+    if rules.is_stochastic:
+        return 0.0, dot_side(rules, pitch, period) ** 2 / (pitch * period)
+    side = max(0.0, min(pitch, period) - rules.web_limit)
+    return rules.aperture_limit**2 / (pitch * period), side**2 / (pitch * period)
 
 
 def check_rules(
@@ -63,22 +133,19 @@ def check_rules(
     Raises
     ------
     InputError
-        one line naming the grooves, their ratios, and the ratios and curvatures allowed.
+        one line naming the grooves, their ratios, and the ratios, curvatures and mesh allowed.
     """
     pitch, empty = film.groove.pitch, film.groove.curvature_empty
     low, high = ratio_range(rules, pitch, period)
-    asked = (
-        f"{rules.pattern} period {period / um:.4g} µm, "
-        f"min_aperture {rules.min_aperture / um:g} µm, min_web {rules.min_web / um:g} µm"
-    )
+    asked = rules.describe(period)
     if low > high:
         raise InputError(
             f"{where}: {asked}: no aperture fits: smallest ratio {low:.4g}, largest {high:.4g}"
         )
     size = along * GRID
-    largest = (min(pitch, period) if rules.pattern == "dot" else period) - rules.min_web
+    largest = (period if rules.pattern == "slot" else min(pitch, period)) - rules.web_limit
     bad = np.flatnonzero(
-        (along > 0) & ((size < rules.min_aperture - GRID) | (size > largest + GRID))
+        (along > 0) & ((size < rules.aperture_limit - GRID) | (size > largest + GRID))
     )
     if bad.size:
         top = process.curvature(low)
@@ -88,9 +155,26 @@ def check_rules(
             f"{ratio[bad].max():.4g} (curvature_per_mm {film.curvature[bad].min():.4g} … "
             f"{film.curvature[bad].max():.4g}): allowed 0 or {low:.4g} … {high:.4g} ({asked}), "
             f"that is curvature_per_mm {bottom:.4g} … {top:.4g} or {empty:g} (no resin)"
+            f"{suggest_mesh(rules, size[along > 0], period)}"
         )
     if rules.pattern == "slot":
         _check_runs(where, along > 0, pitch, rules)
+
+
+def suggest_mesh(rules: MaskRules, size: NDArray[np.float64], period: float) -> str:
+    """Return the end of a refusal: the mesh that would do for apertures of `size` [mm], if any."""
+    if rules.mesh is None:
+        return ""
+    feature = float(min(size.min(), period - size.max()))
+    mesh = coarsest_mesh(feature) if feature >= min(rules.min_aperture, rules.min_web) else None
+    if mesh is not None:
+        return f"; mesh {mesh.name} would do"
+    finest = min(MESHES.values(), key=lambda mesh: mesh.min_feature)
+    needed = max(finest.min_feature, rules.min_aperture, rules.min_web)
+    longer = ""
+    if rules.pattern == "slot":
+        longer = f", as with a period of {period * needed / max(feature, GRID) / um:.4g} µm"
+    return f"; no common mesh would do: {finest.name} needs {needed / um:.4g} µm{longer}"
 
 
 def _check_runs(where: str, is_open: NDArray[np.bool_], pitch: float, rules: MaskRules) -> None:
@@ -101,8 +185,8 @@ def _check_runs(where: str, is_open: NDArray[np.bool_], pitch: float, rules: Mas
     width = (end - start) * pitch
     open_run = is_open[start]
     for name, what, limit, bad in (
-        ("min_aperture", "slots", rules.min_aperture, open_run & (width < rules.min_aperture)),
-        ("min_web", "webs", rules.min_web, ~open_run & inside & (width < rules.min_web)),
+        ("min_aperture", "slots", rules.aperture_limit, open_run & (width < rules.aperture_limit)),
+        ("min_web", "webs", rules.web_limit, ~open_run & inside & (width < rules.web_limit)),
     ):
         if bad.any():
             grooves = np.concatenate(

@@ -16,7 +16,7 @@ from mpfcad.film import Groove, PrismFilm
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.measure import LuminanceResult, luminance_over_pitch
 from mpfcad.pipeline.effort import TraceSetting, available_threads
-from mpfcad.pipeline.make import MASK_FORMATS
+from mpfcad.pipeline.make import check_masks, phototool
 from mpfcad.pipeline.plan import Plan
 from mpfcad.pipeline.progress import Progress
 
@@ -67,7 +67,10 @@ def examine(
     ExportError
         when a file does not read back as what it should hold.
     """
-    masks = _check_masks(folder, mask, progress)
+    masks = {}
+    if mask is not None:
+        table = plan.job.mask
+        masks = check_masks(mask, phototool(table), folder, table.formats, progress)
     step, mesh = _check_cad(folder, plan, progress)
     difference = _curvature_difference(plan, masks, mesh)
     progress.stage("tracing film.stl")
@@ -77,16 +80,6 @@ def examine(
     progress.stage("tracing the conventional stack")
     baseline = _trace_baseline(plan, setting, threads, progress)
     return Findings(masks, step, mesh, difference, before, luminance, baseline)
-
-
-def _check_masks(folder: Path, mask: Mask | None, progress: Progress) -> dict[str, MaskCheck]:
-    from mpfcad.mask import check_mask
-
-    checks = {}
-    for name in () if mask is None else (f"mask.{suffix}" for suffix in MASK_FORMATS):
-        progress.stage(f"checking {name}")
-        checks[name] = check_mask(folder / name, mask)
-    return checks
 
 
 def _check_cad(folder: Path, plan: Plan, progress: Progress) -> tuple[StepCheck, MeshCheck]:

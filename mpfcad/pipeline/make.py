@@ -1,14 +1,18 @@
 """Writes the files of a plan into a folder; what they are worth is examined from the files."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from mpfcad.errors import InputError
-from mpfcad.mask import Mask, MaskRules
+from mpfcad.job import Job, MaskTable
+from mpfcad.mask import Mask, MaskCheck, Phototool
 from mpfcad.pipeline.plan import CURVATURE_FILE, Plan
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.screen import mask_rules
 
-MASK_FORMATS = ("oas", "gds")
+MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
 CAD_FORMATS = ("step", "stl")
+MASK_PICTURE, MASK_MARKERS = "mask.png", "mask.lyrdb"
 
 
 def plan_mask(plan: Plan) -> Mask | None:
@@ -23,8 +27,7 @@ def plan_mask(plan: Plan) -> Mask | None:
 
     if plan.process is None:
         return None
-    table = plan.job.mask
-    rules = MaskRules(table.pattern, table.period, table.min_aperture, table.min_web)
+    rules = mask_rules(plan.job.mask, plan.job.name)
     return build_mask(plan.panel, plan.process, rules, plan.job.name)
 
 
@@ -33,13 +36,55 @@ def write_curvature(plan: Plan, folder: Path) -> None:
     plan.write_curvature(folder / CURVATURE_FILE)
 
 
-def write_masks(mask: Mask, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
-    """Write mask.oas, mask.gds."""
+def phototool(table: MaskTable) -> Phototool:
+    """Return how a job wants its artwork."""
+    from mpfcad.mask import Phototool
+
+    return Phototool(
+        table.polarity, table.mirror, table.emulsion_side, tuple(table.furniture), table.tif_dpi
+    )
+
+
+def write_masks(
+    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+) -> None:
+    """Write mask.oas, mask.gds and the like."""
     from mpfcad.mask import write_mask
 
     for name in formats:
         progress.stage(f"writing mask.{name}")
-        write_mask(mask, folder / f"mask.{name}")
+        write_mask(mask, folder / f"mask.{name}", tool)
+
+
+def check_masks(
+    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+) -> dict[str, MaskCheck]:
+    """Return the check of each mask file by its name.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.mask import check_mask
+
+    checks = {}
+    for name in (f"mask.{suffix}" for suffix in formats):
+        progress.stage(f"checking {name}")
+        checks[name] = check_mask(folder / name, mask, tool)
+    return checks
+
+
+def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck]) -> None:
+    """Write mask.lyrdb, the markers of what is too narrow, and mask.png, from the first file."""
+    from mpfcad.mask import write_markers, write_preview
+
+    if not checks:
+        return
+    name = next((n for n, check in checks.items() if check.windows), next(iter(checks)))
+    write_preview(folder / MASK_PICTURE, folder / name, checks[name])
+    if checks[name].windows:
+        write_markers(folder / MASK_MARKERS, name, checks[name].windows)
 
 
 def write_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
@@ -54,7 +99,7 @@ def write_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Prog
         write_stl(plan.piece, folder / "film.stl", plan.job.cad.angle_tolerance)
 
 
-def refuse_unprintable(plan: Plan, where: str) -> None:
+def refuse_unprintable(job: Job, where: str) -> None:
     """Refuse to make a mask of an `ideal` film.
 
     Raises
@@ -62,7 +107,7 @@ def refuse_unprintable(plan: Plan, where: str) -> None:
     InputError
         when the film's profile is `ideal`.
     """
-    if not plan.is_printable:
+    if job.film.profile != "filled":
         raise InputError(
             f"{where}: film.profile: ideal: resin cannot fill below the walls, so there is no "
             f"mask: must be 'filled'"

@@ -22,6 +22,8 @@ from mpfcad.film import (
     write_curvature_map,
 )
 from mpfcad.job import Job, build_job
+from mpfcad.pipeline.field import refuse_field
+from mpfcad.pipeline.screen import mesh_process
 
 CURVATURE_FILE = "curvature.csv"
 
@@ -108,16 +110,17 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         when a file or a value in it is wrong.
     """
     job_file = Path(job_file)
+    refuse_field(job, job_file)
     folder = job_file.parent
     files = {
         name: folder / name
         for name in (job.map.file, job.process.calibration, job.stack.file)
         if name is not None
     }
-    stack = _read_stack(job, job_file)
+    stack = read_job_stack(job, job_file)
     calibration = files.get(job.process.calibration)
     groove = Groove(job.film.pitch, job.film.depth)
-    process = _read_process(job, calibration, groove)
+    process = read_job_process(job, calibration, groove, str(job_file))
     count = groove_count(stack.panel_width, groove.pitch)
     curvature = _read_map(job, job_file, stack, groove).on_grooves(
         (np.arange(count) + 0.5) * groove.pitch,
@@ -155,7 +158,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
         if text is not None:
             file = Path(temporary) / "calibration.toml"
             file.write_bytes(text.encode())
-        process = _read_process(job, file, groove)
+        process = read_job_process(job, file, groove, str(folder / "verification.json"))
     stack = restore_stack(document["stack"])
     return _build_plan(job, stack, process, read_curvature(folder), text, {})
 
@@ -234,7 +237,14 @@ def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> Curvatu
     )
 
 
-def _read_stack(job: Job, job_file: Path) -> Stack:
+def read_job_stack(job: Job, job_file: Path) -> Stack:
+    """Return the backlight of a job, its overrides in place.
+
+    Raises
+    ------
+    InputError
+        when a file or a value in it is wrong.
+    """
     overrides = dict(job.stack.override)
     index = job.film.refractive_index
     if index is not None:
@@ -252,6 +262,19 @@ def _read_stack(job: Job, job_file: Path) -> Stack:
         raise InputError(f"{job_file}: {error}") from None
 
 
-def _read_process(job: Job, calibration: Path | None, groove: Groove) -> Process | None:
-    """Return the printing process; None for an `ideal` film, which no print can make."""
-    return read_process(calibration, groove) if job.film.profile == "filled" else None
+def read_job_process(
+    job: Job, calibration: Path | None, groove: Groove, where: str
+) -> Process | None:
+    """Return the printing process; None for an `ideal` film, which no print can make.
+
+    It is the mesh's when the job states its release, else that of the calibration, else built in.
+
+    Raises
+    ------
+    InputError
+        when the calibration or the mesh is wrong.
+    """
+    if job.film.profile != "filled":
+        return None
+    by_mesh = mesh_process(job.mask, calibration is not None, groove, where)
+    return by_mesh or read_process(calibration, groove)

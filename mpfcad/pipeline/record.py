@@ -5,11 +5,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from mpfcad.export import sha256
 from mpfcad.job import Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.examine import BASELINE_PRESET, Findings
+from mpfcad.pipeline.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
 from mpfcad.pipeline.plan import Plan, describe_stack
 from mpfcad.report import Checks, Evidence, build_gates, build_verification
 
@@ -22,6 +25,9 @@ PACKAGES = (
     "build123d",
     "gdstk",
     "klayout",
+    "ezdxf",
+    "tifffile",
+    "pillow",
     "trimesh",
     "plotly",
 )
@@ -68,6 +74,7 @@ def build_record(
         baseline_stack=BASELINE_PRESET,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
+        curvature=compare_curvature(plan, findings),
         provenance={
             "sha256": hashes,
             "traced": {
@@ -85,6 +92,30 @@ def build_record(
             "trace": setting.document(),
         },
     )
+
+
+def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
+    """Return the piece's curvatures as wanted and as each mask file gives them; None without mask.
+
+    The largest difference is that over all grooves of the panel and all files.
+    """
+    if plan.process is None or not findings.mask:
+        return None
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    wanted = plan.panel.curvature
+    found = {
+        name: plan.process.curvature(check.aperture_ratio) for name, check in findings.mask.items()
+    }
+    return {
+        "first_groove": plan.first_groove,
+        "wanted_per_mm": [float(value) for value in wanted[piece]],
+        "recovered_per_mm": {
+            name: [float(value) for value in values[piece]] for name, values in found.items()
+        },
+        "difference_max_per_mm": max(
+            float(np.abs(values - wanted).max()) for values in found.values()
+        ),
+    }
 
 
 def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findings) -> Evidence:
@@ -116,7 +147,8 @@ def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
 
 def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file that was made before verification.json, by name."""
-    made = ("mask.oas", "mask.gds", "film.step", "film.stl", "curvature.csv")
+    masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
+    made = (*masks, "film.step", "film.stl", "curvature.csv")
     return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
 
 

@@ -9,18 +9,21 @@ from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.make import (
     CAD_FORMATS,
-    MASK_FORMATS,
+    check_masks,
+    phototool,
     plan_mask,
-    refuse_unprintable,
     write_cad,
     write_curvature,
+    write_mask_pictures,
     write_masks,
 )
+from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
+SCREEN = "screen.json"
 
 
 def default_out(job: Job) -> Path:
@@ -53,7 +56,7 @@ def run_job(
     with export_folder(out, "run") as folder:
         write_curvature(plan, folder)
         if mask is not None:
-            write_masks(mask, folder, MASK_FORMATS, progress)
+            write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
         write_cad(plan, folder, CAD_FORMATS, progress)
         return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
 
@@ -73,6 +76,7 @@ def _examine_and_report(
 
     setting = TRACE_SETTINGS[effort]
     findings = examine(folder, plan, mask, setting, threads, progress)
+    write_mask_pictures(folder, findings.mask)
     provenance = build_provenance(plan, job_file, effort)
     record = build_record(folder, plan, findings, setting, provenance)
     write_text(folder / VERIFICATION, canonical_json(record))
@@ -83,9 +87,13 @@ def _examine_and_report(
 
 
 def make_mask(
-    job: Job, job_file: Path, out: Path, formats: tuple[str, ...], progress: Progress = SILENT
+    job: Job,
+    job_file: Path,
+    out: Path,
+    formats: tuple[str, ...] | None = None,
+    progress: Progress = SILENT,
 ) -> None:
-    """Make and check only the mask files of a job.
+    """Make and check only the mask files of a job; `formats` None: those the job names.
 
     Raises
     ------
@@ -94,18 +102,17 @@ def make_mask(
     ExportError
         when a file does not read back as what it should hold.
     """
-    from mpfcad.mask import check_mask
-
     progress.stage(f"reading {job_file}")
-    plan = read_plan(job, job_file)
-    refuse_unprintable(plan, str(job_file))
-    mask = plan_mask(plan)
+    plan = read_mask_plan(job, job_file)
     with export_folder(out, "mask") as folder:
-        write_curvature(plan, folder)
-        write_masks(mask, folder, formats, progress)
-        for name in formats:
-            progress.stage(f"checking mask.{name}")
-            check_mask(folder / f"mask.{name}", mask)
+        if plan.plan is not None:
+            write_curvature(plan.plan, folder)
+        tool = phototool(job.mask)
+        formats = formats or tuple(job.mask.formats)
+        write_masks(plan.mask, tool, folder, formats, progress)
+        write_mask_pictures(folder, check_masks(plan.mask, tool, folder, formats, progress))
+        progress.stage("writing screen.json")
+        write_text(folder / SCREEN, canonical_json(plan.describe()))
         write_manifest(folder, job.name, "mask")
 
 

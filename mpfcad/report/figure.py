@@ -89,6 +89,7 @@ def film_figure(
     fitted: ArrayLike,
     fill: ArrayLike,
     aperture: ArrayLike | None,
+    recovered: ArrayLike | None,
 ) -> "go.Figure":
     """Return curvature [1/mm], fill and aperture ratio over the position [mm], one over another."""
     from plotly.subplots import make_subplots
@@ -111,6 +112,15 @@ def film_figure(
             showlegend=column == 1,
             row=1,
             col=column,
+        )
+    if recovered is not None:
+        figure.add_scatter(
+            x=_rounded(position, 4),
+            y=_rounded(recovered, 5),
+            name="C recovered from the mask file",
+            line=_line(THIRD_COLOUR, 2, "dot"),
+            row=1,
+            col=1,
         )
     figure.update_xaxes(title_text="from the lamp's axis [mm]")
     for column in range(2, rows + 1):

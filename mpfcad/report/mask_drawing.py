@@ -79,7 +79,7 @@ def _apertures(
     """Return the apertures [µm] in a window, cut at its edge, in a fixed order."""
     import klayout.db as kdb
 
-    from mpfcad.mask.write import APERTURE
+    from mpfcad.mask.layer import APERTURE
 
     layer = layout.find_layer(APERTURE, 0)
     if layer is None:  # a film without resin has no aperture

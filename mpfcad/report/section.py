@@ -1,5 +1,6 @@
 """The sections of the report, each a function of what was found."""
 
+from base64 import b64encode
 from html import escape
 from typing import Any
 
@@ -91,13 +92,14 @@ def film_section(record: Record, evidence: Evidence) -> str:
         piece.groove.fitted_curvature(piece.curvature, piece.profile),
         piece.fill_fraction,
         evidence.aperture_ratio,
+        record["mask"] and next(iter(record["mask"]["curvature"]["recovered_per_mm"].values())),
     )
     if piece.profile == "ideal":
         words = (
             "<p>The profile is the pure parabola, also below the prism's walls. Resin can only be "
             "added, so this film cannot be printed and has <b>no mask</b>: it needs a mould.</p>"
         )
-        figures = film_figure(evidence.position, piece.curvature, piece.curvature, [], None)
+        figures = film_figure(evidence.position, piece.curvature, piece.curvature, [], None, None)
         return words + figure(figure_html(figures, "film"), "Curvature of each groove.")
     caveats = "".join(f"<li>{escape(text)}</li>" for text in record["process"]["caveats"])
     limit = piece.groove.curvature_empty
@@ -131,7 +133,11 @@ def mask_section(record: Record, evidence: Evidence) -> str:
         ("smallest web [µm]", "smallest_web_um", 5),
         ("width across the grooves [mm]", "width_mm", 7),
         ("length along the grooves [mm]", "length_mm", 7),
-        ("database unit [µm]", "database_unit_um", 3),
+        ("database unit, or pixel [µm]", "database_unit_um", 3),
+        ("an edge is off by up to [µm]", "snap_error_um", 3),
+        ("largest error of a 1 mm square's ratio", "ratio_map_error_max", 3),
+        ("windows checked with klayout", "window_count", 3),
+        ("too narrow in them", "window_violations", 3),
     )
     rows = [
         [label, *("none" if files[n][key] is None else short(files[n][key], digits) for n in names)]
@@ -139,9 +145,27 @@ def mask_section(record: Record, evidence: Evidence) -> str:
     ]
     shown = evidence.shown_groove.items()
     windows = {title: evidence.first_groove + groove for title, groove in shown}
-    drawing = draw_mask(evidence.folder / names[0], evidence.panel, windows, evidence.mask_period)
-    return table(("read back from", *names), rows, numeric=range(1, len(names) + 1)) + figure(
-        drawing, "Drawn from the file: blue is open, the lines are the prisms' tips."
+    drawing = ""
+    if names[0].endswith((".oas", ".gds")):
+        picture = evidence.folder / names[0]
+        drawing = figure(
+            draw_mask(picture, evidence.panel, windows, evidence.mask_period),
+            "Drawn from the file: blue is drawn, the lines are the prisms' tips.",
+        )
+    stated = escape(files[names[0]]["text"][1])
+    difference = short(record["mask"]["curvature"]["difference_max_per_mm"], 3)
+    words = (
+        f"<p>On the artwork: <b>{stated}</b>. The curvature that the mask files give through the "
+        f"process differs from the wanted one by {difference} /mm at most, over all grooves of the "
+        f"panel and all files.</p>"
+    )
+    picture = b64encode((evidence.folder / "mask.png").read_bytes()).decode("ascii")
+    preview = f'<img src="data:image/png;base64,{picture}" alt="The mask" style="max-width:100%">'
+    return (
+        words
+        + table(("read back from", *names), rows, numeric=range(1, len(names) + 1))
+        + figure(preview, "mask.png, drawn from the file: the whole panel's aperture ratio.")
+        + drawing
     )
 
 

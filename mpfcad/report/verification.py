@@ -72,6 +72,8 @@ def build_gates(
     if checks.mask:
         error = max(check.aperture_ratio_error_max for check in checks.mask.values())
         gates.append(Gate("mask_aperture_ratio_error", error, RATIO_LIMIT))
+        narrow = max(_violations(check) or 0 for check in checks.mask.values())
+        gates.append(Gate("mask_rule_violations", float(narrow), 0.0))
     return [
         *gates,
         Gate("step_valid", float(step.valid), 1.0, at_least=True),
@@ -96,6 +98,7 @@ def build_verification(
     baseline_stack: str,
     inputs: list[dict[str, Any]],
     process: dict[str, Any] | None,
+    curvature: dict[str, Any] | None,
     provenance: dict[str, Any],
     job: dict[str, Any],
 ) -> dict[str, Any]:
@@ -108,7 +111,7 @@ def build_verification(
         **describe_luminance(luminance),
         "baseline": {"stack": baseline_stack, "film": "BEF", **describe_luminance(baseline)},
         "relative_luminance": luminance.mean_luminance.value / baseline.mean_luminance.value,
-        "mask": describe_masks(checks.mask),
+        "mask": describe_masks(checks.mask, curvature),
         "step": describe_step(checks.step),
         "mesh": describe_mesh(checks.mesh),
         "mask_mesh_curvature_difference_per_mm": checks.curvature_difference,
@@ -139,8 +142,10 @@ def describe_luminance(result: LuminanceResult) -> dict[str, Any]:
     }
 
 
-def describe_masks(checks: Mapping[str, MaskCheck]) -> dict[str, Any] | None:
-    """Return what the mask files hold, by file; None without a mask."""
+def describe_masks(
+    checks: Mapping[str, MaskCheck], curvature: dict[str, Any] | None
+) -> dict[str, Any] | None:
+    """Return what the mask files hold, by file, and the curvatures they give; None without."""
     if not checks:
         return None
     worst = max(check.aperture_ratio_error_max for check in checks.values())
@@ -149,16 +154,25 @@ def describe_masks(checks: Mapping[str, MaskCheck]) -> dict[str, Any] | None:
             "aperture_ratio_error_max": float(check.aperture_ratio_error_max),
             "aperture_ratio_min": float(check.aperture_ratio.min()),
             "aperture_ratio_max": float(check.aperture_ratio.max()),
-            "aperture_count": int(check.aperture_count),
+            "ratio_map_error_max": float(check.ratio_map_error_max),
+            "aperture_count": check.aperture_count,
             "smallest_aperture_um": _in_um(check.smallest_aperture),
             "smallest_web_um": _in_um(check.smallest_web),
             "width_mm": float(check.width),
             "length_mm": float(check.length),
             "database_unit_um": float(check.unit),
+            "snap_error_um": _in_um(check.snap_error),
+            "text": list(check.text),
+            "window_count": None if check.windows is None else len(check.windows.windows),
+            "window_violations": _violations(check),
         }
         for name, check in checks.items()
     }
-    return {"aperture_ratio_error_max": float(worst), "files": files}
+    return {"aperture_ratio_error_max": float(worst), "files": files, "curvature": curvature}
+
+
+def _violations(check: MaskCheck) -> int | None:
+    return None if check.windows is None else len(check.windows.violations)
 
 
 def describe_step(check: StepCheck) -> dict[str, Any]:

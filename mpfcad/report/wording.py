@@ -16,6 +16,10 @@ GATES = {
         "Mask: aperture ratio",
         "max |read back from the file − wanted| over all grooves",
     ),
+    "mask_rule_violations": (
+        "Mask: apertures and webs",
+        "places narrower than min_aperture_um or min_web_um in sampled windows, by klayout",
+    ),
     "step_valid": ("STEP: valid solids", "checked by OCCT after reading the file again"),
     "step_volume_error": ("STEP: volume", "max |V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),

@@ -1,0 +1,98 @@
+"""`mpfcad mask --plan`, and masks of 2-D maps, through the command line."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+UNIFORM = "curvature_per_mm = 55.0"
+FIELD = 'file = "field.npz"\nextent = "panel"'
+PANEL = "[stack.override]\npanel_width_mm = 34.0\npanel_length_mm = 60.0\nlamp_count = 1\n"
+
+
+def mpfcad(*arguments, cwd):
+    code = "from mpfcad.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
+
+
+def job(folder, map_table, mask_table):
+    text = f'schema = 1\nname = "job"\n[map]\n{map_table}\n[mask]\n{mask_table}\n{PANEL}'
+    (folder / "job.toml").write_text(text)
+    x, y = np.linspace(0, 34, 18), np.linspace(0, 60, 31)
+    curvature = 59 + 3 * np.cos(x / 5) * np.cos(y[:, None] / 3)
+    names = ("position_across_mm", "position_along_mm", "curvature_per_mm")
+    np.savez(folder / "field.npz", **dict(zip(names, (x, y, curvature), strict=True)))
+
+
+def refused(result, *words):
+    assert result.returncode == 2, result.stderr
+    lines = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
+    assert len(lines) == 1, result.stderr
+    for word in words:
+        assert word in lines[0]
+
+
+def test_the_plan_says_what_screen_is_needed_and_makes_nothing(tmp_path):
+    mask = 'period_um = 1000.0\npixel_um = 363.0\n[mask.mesh]\nname = "120-34"\nangle_deg = 0.0'
+    job(tmp_path, UNIFORM, mask)
+    before = sorted(tmp_path.iterdir())
+    result = mpfcad("mask", "job.toml", "--plan", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "mesh 120-34: opening 49.33 µm, open area 35%, volume 17.87 cm³/m²" in result.stdout
+    assert "a full groove needs 12.5 cm³/m²" in result.stdout
+    assert "visible from 500 mm" in result.stdout
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_mesh_and_release_give_the_fill(tmp_path):
+    mask = 'period_um = 1000.0\n[mask.mesh]\nname = "120-34"\nrelease = 0.5\nemulsion_um = 4.0'
+    job(tmp_path, UNIFORM, mask)
+    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    screen = json.loads((tmp_path / "out" / "screen.json").read_text())
+    mesh = screen["mesh"]
+    volume = mesh["open_area"] * mesh["thickness_um"] + 4
+    assert mesh["volume_with_emulsion_cm3_m2"] == pytest.approx(volume)
+    assert mesh["transfer_factor"] == pytest.approx(0.5 * volume / 12.5)
+    # C = 55 has fill 0.1213 (closed form): ratio = fill / transfer factor.
+    fill = screen["aperture_ratio"]["mean"] * mesh["transfer_factor"]
+    assert fill == pytest.approx(0.1213, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("mask", "words"),
+    [
+        ("[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0", ["finer than its thread"]),
+        ('[mask.mesh]\nname = "1-2"', ["mask.mesh: '1-2': allowed one of 43-80"]),
+        ('[mask.mesh]\nname = "90-48"\nthread_um = 4.0', ["mask.mesh", "give either name or"]),
+        ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, threads"]),
+        ('[mask.mesh]\nname = "90-48"', ["grooves 0-679", "no common mesh would do"]),
+        ('pattern = "stripe"', ["mask.pattern: stripe: must be 'slot', 'dot'"]),
+        ("period_um = 1000.0\n[mask.mesh]\nname = '90-48'", ["mesh 120-31 would do"]),
+    ],
+)
+def test_what_cannot_be_made_is_said_in_one_line(tmp_path, mask, words):
+    job(tmp_path, UNIFORM, mask)
+    refused(mpfcad("mask", "job.toml", "--plan", cwd=tmp_path), *words)
+
+
+@pytest.mark.parametrize("pattern", ["slot", "dot", "blue-noise", "error-diffused"])
+def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
+    period = 400 if pattern == "slot" else 50
+    job(tmp_path, FIELD, f'pattern = "{pattern}"\nperiod_um = {period}.0\nmin_aperture_um = 9.0')
+    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"mask.oas", "screen.json", "manifest.json"} <= names
+
+
+def test_a_2d_map_is_refused_by_what_needs_a_solid(tmp_path):
+    job(tmp_path, FIELD, 'pattern = "dot"\nperiod_um = 50.0\nmin_aperture_um = 9.0')
+    for command in ("run", "cad"):
+        result = mpfcad(command, "job.toml", cwd=tmp_path)
+        refused(result, "map.file: field.npz", "allowed for `mpfcad mask` only")
+    job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
+    refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: must be 'panel'")
