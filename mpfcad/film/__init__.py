@@ -2,7 +2,8 @@
 
 `Groove` knows the bare V and its resin; `PrismFilm` is a row of them with one curvature each;
 `CurvatureMap` holds what the user wants and lays it onto the grooves; `Process` ties the mask's
-aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and write.
+aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and write;
+`fit_stylus_trace` finds the curvature of a printed groove and `write_process` calibrates from it.
 """
 
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
@@ -11,21 +12,31 @@ from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
 from mpfcad.film.process_file import read_process
+from mpfcad.film.process_write import Coupon, write_process
+from mpfcad.film.stylus import StylusTrace, read_stylus_trace
+from mpfcad.film.stylus_fit import Interval, StylusFit, fit_stylus_trace
 
 __all__ = [
     "PROFILES",
+    "Coupon",
     "CurvatureMap",
     "Extent",
     "Groove",
+    "Interval",
     "PrismFilm",
     "Process",
     "Profile",
     "Repeat",
+    "StylusFit",
+    "StylusTrace",
     "check_aperture_ratio",
     "check_curvature",
     "check_printable",
+    "fit_stylus_trace",
     "groove_ranges",
     "read_curvature_map",
     "read_process",
+    "read_stylus_trace",
     "write_curvature_map",
+    "write_process",
 ]
