@@ -75,6 +75,7 @@ class _Model:
     profile: Profile
     x: NDArray[np.float64]
     z: NDArray[np.float64]
+    share: NDArray[np.float64]
 
     def local(self, centre: float) -> NDArray[np.float64]:
         """Return x from the nearest groove's centre, -w … w."""
@@ -113,7 +114,9 @@ def fit_stylus_trace(
 
     used = trace.middle(prism_widths * groove.pitch)
     origin = float(np.mean(used.position))
-    model = _Model(groove, profile, used.position - origin, used.height)
+    width = prism_widths * groove.pitch
+    share = _shares(used.position, (trace.position[0] + trace.position[-1]) / 2, width)
+    model = _Model(groove, profile, used.position - origin, used.height, share)
     top = groove.curvature_empty * (1 if profile == "filled" else STEEPEST)
     start = _start(model, top)
     found = least_squares(
@@ -157,6 +160,12 @@ def fit_stylus_trace(
         model.local(found[2]),
         levelled,
     )
+
+
+def _shares(x: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
+    """Return the share, (n,), of the window around `middle` that is nearest to each position."""
+    bounds = [middle - width / 2, *((x[1:] + x[:-1]) / 2), middle + width / 2]
+    return np.diff(bounds) / width
 
 
 def _interval(value: float, half: float, top: float) -> Interval:
@@ -220,9 +229,8 @@ class _Parabola:
 
 
 def _parabola(model: _Model, parameter: NDArray[np.float64]) -> _Parabola:
-    """Return the parabola through all levelled heights, each weighted by its step in x."""
-    step = np.gradient(model.x)
-    share = step / np.sum(step)
+    """Return the parabola through all levelled heights, each weighted by its share of x."""
+    share = model.share
     half_square = model.local(parameter[2]) ** 2 / 2
     bend = half_square - np.sum(share * half_square)
     weight = share * bend / np.sum(share * bend**2)
