@@ -61,35 +61,36 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
         (by more than `angle_tolerance` [rad]) or curvature.
     """
     path = Path(path)
-    corner, normal = _read(path)
-    volume = _check_closed(path, corner, normal)
+    corner, normal = read_facets(path)
+    volume = check_closed(path, corner, normal)
     volume_error = volume / film.volume - 1
-    _limit(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
+    refuse_above(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
     top = corner[_is_top(path, corner, film)]
     facets = _Facets(film, top)
 
     error = facets.middle_error()
     rms = float(np.sqrt(np.mean(error**2)))
-    _limit(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
+    refuse_above(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
     largest = facets.end_error()
-    _limit(path, "normal error [rad]", largest, angle_tolerance)
+    refuse_above(path, "normal error [rad]", largest, angle_tolerance)
     height = facets.height_error()
-    _limit(path, "height error [mm]", height, facets.height_tolerance())
+    refuse_above(path, "height error [mm]", height, facets.height_tolerance())
     curvature = facets.curvature()
     drawn = np.where(facets.contact > 0, film.curvature, film.groove.curvature_empty)
     stretch = np.spacing(np.float32(film.width)) / film.groove.half_width
     off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
-    _limit(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
+    refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
     return MeshCheck(True, float(volume_error), rms, largest, height, len(corner), curvature)
 
 
-def _limit(path: Path, what: str, value: float, limit: float) -> None:
+def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
+    """Raise ExportError unless `value` is at most `limit`."""
     # Written so that NaN fails.
     if not value <= limit:
         raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
 
 
-def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def read_facets(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the corners (t, 3, 3) and the stored normals (t, 3) of the facets."""
     from trimesh.exchange.stl import load_stl_binary
 
@@ -104,7 +105,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return corner, np.asarray(read["face_normals"], np.float64)
 
 
-def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
+def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     """Return the volume [mm³], once the facets bound one closed body and face outward."""
     import manifold3d
     import trimesh
@@ -114,7 +115,7 @@ def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     if not np.all(size > 0):
         raise ExportError(f"{path.name}: facet {int(np.argmin(size))} has no area")
     misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
-    _limit(path, "stored normal against the corners", float(misfit.max()), 1e-5)
+    refuse_above(path, "stored normal against the corners", float(misfit.max()), 1e-5)
 
     points, faces = _join(corner)
     mesh = trimesh.Trimesh(points, faces, process=False)
@@ -129,7 +130,9 @@ def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
         raise ExportError(f"{path.name}: not one simple solid: {body.status()}")
     if len(body.decompose()) != 1:
         raise ExportError(f"{path.name}: more than one body")
-    _limit(path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6)
+    refuse_above(
+        path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6
+    )
     return float(mesh.volume)
 
 
@@ -153,7 +156,7 @@ def _is_top(path: Path, corner: NDArray, film: PrismFilm) -> NDArray[np.bool_]:
     high = corner.max(axis=(0, 1))
     size = np.array([film.width, film.length, film.thickness], np.float32).astype(float)
     off = max(np.abs(low).max(), np.abs(high - size).max())
-    _limit(path, "extent error [mm]", float(off), 0.0)
+    refuse_above(path, "extent error [mm]", float(off), 0.0)
     side = np.zeros(len(corner), bool)
     for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
         side |= np.all(corner[:, :, axis] == level, axis=1)
