@@ -106,9 +106,11 @@ class MaskTable(_Table):
 
 
 class CadTable(_Table):
-    """`[cad]`: extent of film.step and film.stl, and the facets' angle tolerance."""
+    """`[cad]`: extent and bodies of the CAD files, and the facets' angle tolerance."""
 
     extent: Literal["pitch", "panel"] = "pitch"
+    bodies: Literal["separate", "fused"] = "separate"
+    stl: Literal["whole", "tiles"] = "whole"
     length_mm: Annotated[Positive, Field(le=2000)] = 2.0
     angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] = 0.5
 

@@ -33,6 +33,8 @@ min_web_um = 15.0
 extent = "pitch"                # one lamp pitch, or "panel"
 length_mm = 2.0                 # along the grooves, when extent = "pitch"
 angle_tolerance_deg = 0.5       # of the facets of film.stl
+bodies = "separate"             # film.step: prism and resin apart, or "fused" into one body
+stl = "whole"                   # `mpfcad cad`: one film.stl, or "tiles" of one lamp pitch each
 
 [stack]
 preset = "thesis-32in-mpf"      # `mpfcad stacks` lists them; or file = "my-stack.toml"
