@@ -1,4 +1,4 @@
-"""The mould of a film: its negative, turned over, enlarged by the shrinkage; what a tool cuts of it.
+"""The mould of a film: its negative, turned over, enlarged by the shrinkage; what a tool cuts.
 
 film = mould · (1 - shrinkage), in every direction. A diamond's round nose cannot reach into the
 valleys of the mould, which are the tips of the film: what it leaves is the film with tips of that
@@ -66,8 +66,8 @@ def build_mould(
     made = imperfection or Imperfection()
     if tool_radius and made.measured is not None:
         raise InputError(
-            f"tool radius: {tool_radius / um:g} µm: must be 0 for a measured profile, whose corners "
-            "no tool cuts"
+            f"tool radius: {tool_radius / um:g} µm: must be 0 for a measured profile, whose "
+            "corners no tool cuts"
         )
     options = {} if sliver is None else {"sliver": sliver}
     outline = build_section(film, made, **options)

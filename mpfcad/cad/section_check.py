@@ -6,12 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from mpfcad.cad.section_mesh import chord_tolerance
+from mpfcad.cad.step_check import bounding_box, check_solids, enclosed_volume, read_bodies
 from mpfcad.cad.stl_check import check_closed, read_facets, refuse_above
 from mpfcad.errors import ExportError
 from mpfcad.film import Section
 
-#: Largest relative error of a mesh's volume.
-VOLUME_TOLERANCE = 1e-4
+#: Largest relative error of the volume of a mesh, and of a solid.
+VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 1e-9
+#: Largest error [mm] of a solid's extents.
+EXTENT_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,32 @@ def check_section_stl(path: Path, section: Section, angle_tolerance: float) -> S
     refuse_above(path, "height error [mm]", float(height), limit)
     rms = float(np.sqrt(np.mean(secant**2)))
     return SectionMeshCheck(float(error), rms, float(ends.max()), float(height), len(corner))
+
+
+def check_section_step(path: Path, section: Section, body: str) -> float:
+    """Return the volume [mm³] of the one solid `body` in a STEP file, once it is the section's.
+
+    Raises
+    ------
+    ExportError
+        when it holds another body, or one that is not valid or off in volume or extent.
+    """
+    path = Path(path)
+    shapes = read_bodies(path)
+    if set(shapes) != {body}:
+        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {body}")
+    check_solids(path, body, shapes[body], 1)
+    volume = enclosed_volume(shapes[body])
+    error = abs(volume / section.volume - 1)
+    refuse_above(path, "relative volume error", error, SOLID_VOLUME_TOLERANCE)
+    low, high = bounding_box(shapes)
+    top = section.underside + section.thickness
+    off = max(
+        np.abs(low - (0, 0, section.underside)).max(),
+        np.abs(high - (section.width, section.length, top)).max(),
+    )
+    refuse_above(path, "extent error [mm]", float(off), EXTENT_TOLERANCE)
+    return volume
 
 
 def _is_top(corner: np.ndarray, size: np.ndarray, underside: float) -> np.ndarray:

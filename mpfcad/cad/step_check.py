@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mpfcad.cad.outline import solid_contact
 from mpfcad.cad.solid import Bodies
 from mpfcad.cad.step_text import check_text, read_step_text
+from mpfcad.cad.stl_check import refuse_above
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
 
@@ -71,30 +72,24 @@ def check_step(path: Path, film: PrismFilm, *, bodies: Bodies = "separate") -> S
     expected = _expected(film, bodies)
     counts = {name: count for name, (count, _) in expected.items()}
     check_text(path, read_step_text(path), film, counts)
-    shapes = _read(path)
+    shapes = read_bodies(path)
     if set(shapes) != set(expected):
         raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {sorted(expected)}")
     volumes, worst = {}, 0.0
     rounding = SURFACE_TOLERANCE * film.width * film.length
     for name, shape in shapes.items():
         count, volume = expected[name]
-        _check_solids(path, name, shape, count)
-        volumes[name] = _volume(shape)
+        check_solids(path, name, shape, count)
+        volumes[name] = enclosed_volume(shape)
         error = abs(volumes[name] / volume - 1)
         tolerance = max(VOLUME_TOLERANCE, rounding / volume)
-        _limit(path, f"{name}: relative volume error", error, tolerance)
+        refuse_above(path, f"{name}: relative volume error", error, tolerance)
         worst = max(worst, error)
-    low, high = _extent(shapes)
+    low, high = bounding_box(shapes)
     size = np.array([film.width, film.length, film.thickness])
     off = float(max(np.abs(low).max(), np.abs(high - size).max()))
-    _limit(path, "extent error [mm]", off, EXTENT_TOLERANCE)
+    refuse_above(path, "extent error [mm]", off, EXTENT_TOLERANCE)
     return StepCheck(True, volumes, worst, _triple(low), _triple(high), "mm", counts)
-
-
-def _limit(path: Path, what: str, value: float, limit: float) -> None:
-    # Written so that NaN fails.
-    if not value <= limit:
-        raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
 
 
 def _triple(point: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -111,7 +106,7 @@ def _expected(film: PrismFilm, bodies: Bodies) -> dict[str, tuple[int, float]]:
     return {**expected, "fill": (int(resin.sum()), fill)} if resin.any() else expected
 
 
-def _read(path: Path) -> dict[str, TopoDS_Shape]:
+def read_bodies(path: Path) -> dict[str, TopoDS_Shape]:
     """Return the bodies in the file by name, read with OCCT."""
     from OCP.collections import Sequence_TDF_Label
     from OCP.IFSelect import IFSelect_RetDone
@@ -153,7 +148,7 @@ def _parts(label: TDF_Label) -> Iterator[tuple[str, TopoDS_Shape]]:
     yield name.Get().ToExtString() if found else "", XCAFDoc_ShapeTool.GetShape_s(label)
 
 
-def _check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> None:
+def check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> None:
     """Refuse a body that has not as many solids as expected, or one that is not valid."""
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopAbs import TopAbs_SOLID
@@ -170,7 +165,7 @@ def _check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> 
         raise ExportError(f"{path.name}: {name}: OCCT finds this body not valid")
 
 
-def _volume(shape: TopoDS_Shape) -> float:
+def enclosed_volume(shape: TopoDS_Shape) -> float:
     """Return the volume [mm³] that the faces enclose; negative when they face inward."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
@@ -180,7 +175,7 @@ def _volume(shape: TopoDS_Shape) -> float:
     return properties.Mass()
 
 
-def _extent(
+def bounding_box(
     shapes: dict[str, TopoDS_Shape],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the two corners of the bodies' bounding box [mm]."""

@@ -1,4 +1,4 @@
-"""The table from which a mould is turned: surface points, slopes, and the path of the tool's centre."""
+"""The table from which a mould is turned: surface, slopes, and the path of the tool's centre."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -12,6 +12,7 @@ from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.measured import average_groove
 from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
 from mpfcad.film.process_file import read_process
 from mpfcad.film.process_write import Coupon, write_process
@@ -34,6 +35,7 @@ __all__ = [
     "Section",
     "StylusFit",
     "StylusTrace",
+    "average_groove",
     "build_section",
     "check_aperture_ratio",
     "check_curvature",

@@ -64,7 +64,8 @@ def build_section(
         radius = getattr(made, name)
         if radius and not SMALLEST_RADIUS <= radius < np.inf:
             raise InputError(
-                f"film: {name}: {radius / um:g} µm: must be 0 or at least {SMALLEST_RADIUS / um:g} µm"
+                f"film: {name}: {radius / um:g} µm: must be 0 or at least "
+                f"{SMALLEST_RADIUS / um:g} µm"
             )
     return _Drawing(film, made, sliver).section()
 

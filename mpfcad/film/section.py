@@ -58,7 +58,7 @@ class Section:
 
     @property
     def thickness(self) -> float:
-        """Greatest height [mm] over the underside: of a corner, or of an arc or parabola between two."""
+        """Greatest height [mm] over the underside, at a corner or between two."""
         top = self.x[:-1].copy()
         convex = self.bend < 0
         inside = np.clip(self.centre_x, self.x[:-1], self.x[1:])

@@ -41,13 +41,47 @@ class MapTable(_Table):
 
 
 class FilmTable(_Table):
-    """`[film]`: profile, dimensions, refractive index (none: the stack's)."""
+    """`[film]`: profile, dimensions, refractive index (none: the stack's); how it is really made.
+
+    The mask is made for the first four; the last five are how the CAD piece departs from them.
+    """
 
     profile: Literal["filled", "ideal"] = "filled"
     pitch_um: Annotated[Positive, Field(le=2000)] = 50.0
     depth_um: Annotated[Positive, Field(le=2000)] = 25.0
     base_um: Annotated[Positive, Field(le=5000)] = 200.0
     refractive_index: Annotated[Positive, Field(gt=1, le=3)] | None = None
+    tip_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    valley_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    prism_angle_deg: Annotated[Positive, Field(ge=20, le=160)] | None = None
+    pitch_error_um: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
+    measured_file: str | None = None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the film is made as designed."""
+        made = (self.tip_radius_um, self.valley_radius_um, self.pitch_error_um)
+        return not any(made) and self.prism_angle_deg is None and self.measured_file is None
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tips [mm]."""
+        return self._inside("tip_radius_um")
+
+    @property
+    def valley_radius(self) -> float:
+        """Radius of the bare prisms' valleys [mm]."""
+        return self._inside("valley_radius_um")
+
+    @property
+    def prism_angle(self) -> float | None:
+        """Angle between the two walls of a prism as made [rad]; None: what pitch and depth give."""
+        return None if self.prism_angle_deg is None else self._inside("prism_angle_deg")
+
+    @property
+    def pitch_error(self) -> float:
+        """What the pitch as made exceeds the designed one by [mm]."""
+        return self._inside("pitch_error_um")
 
     @property
     def pitch(self) -> float:

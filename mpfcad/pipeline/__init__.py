@@ -7,6 +7,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
+from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
@@ -17,6 +18,7 @@ __all__ = [
     "MASK_FORMATS",
     "SILENT",
     "TRACE_SETTINGS",
+    "MouldSetting",
     "Plan",
     "Progress",
     "Silent",
@@ -24,6 +26,7 @@ __all__ = [
     "default_out",
     "make_cad",
     "make_mask",
+    "make_mould",
     "read_plan",
     "restore_plan",
     "run_job",

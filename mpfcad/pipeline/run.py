@@ -7,6 +7,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.made import read_made, refuse_imperfect, write_made
 from mpfcad.pipeline.make import (
     CAD_FORMATS,
     MASK_FORMATS,
@@ -46,6 +47,7 @@ def run_job(
     ExportError
         when a file does not read back as what it should hold; `out` is then as it was.
     """
+    refuse_imperfect(job.film, str(job_file))
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
@@ -125,8 +127,13 @@ def make_cad(
 
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    made = None if job.film.is_plain else read_made(plan, job_file)
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
+        if made is not None:
+            write_made(made, folder, formats, job.cad.angle_tolerance, progress)
+            write_manifest(folder, job.name, "cad")
+            return
         write_cad(plan, folder, formats, progress)
         if "step" in formats:
             progress.stage("checking film.step")
