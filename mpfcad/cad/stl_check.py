@@ -32,6 +32,8 @@ class MeshCheck:
     normal_error_rms
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
+    secant_error_rms
+        rms angle [rad] between a facet and the film's surface from one end of the facet to the other
     normal_error_max
         largest angle [rad] between a facet and the film's surface at the facet's two ends
     height_error_max
@@ -45,6 +47,7 @@ class MeshCheck:
     watertight: bool
     volume_error: float
     normal_error_rms: float
+    secant_error_rms: float
     normal_error_max: float
     height_error_max: float
     triangle_count: int
@@ -80,7 +83,8 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     stretch = np.spacing(np.float32(film.width)) / film.groove.half_width
     off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
     refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
-    return MeshCheck(True, float(volume_error), rms, largest, height, len(corner), curvature)
+    secant = float(np.sqrt(np.mean(facets.secant_error() ** 2)))
+    return MeshCheck(True, float(volume_error), rms, secant, largest, height, len(corner), curvature)
 
 
 def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
@@ -180,7 +184,7 @@ class _Facets:
         self.groove = np.clip((middle / film.groove.pitch).astype(int), 0, last)
         self.middle = middle - film.groove_position[self.groove]
         self.contact = mesh_contact(film)
-        self.step = 2 * float(np.spacing(np.float32(film.width)))
+        self.step = float(np.spacing(np.float32(film.width)))
 
     def _angle_at(self, local: NDArray, wall: NDArray) -> NDArray:
         """Return the surface's angle [rad] at `local` [mm], on the wall or on the parabola."""
@@ -196,16 +200,22 @@ class _Facets:
         wall = np.abs(self.middle) > self.contact[self.groove]
         return np.hypot(self.angle - self._angle_at(self.middle, wall), self.lean)
 
+    def secant_error(self) -> NDArray[np.float64]:
+        """Return the angle [rad] between each facet and the surface between its two ends."""
+        rise = self.film.height(self.right) - self.film.height(self.left)
+        return np.hypot(self.angle - np.arctan2(rise, self.right - self.left), self.lean)
+
     def end_error(self) -> float:
         """Return the largest angle [rad] between a facet and the surface at its ends."""
         contact = self.contact[self.groove]
         worst = 0.0
         for x in (self.left, self.right):
             local = x - self.film.groove_position[self.groove]
-            # An end within two float32 steps of a kink belongs to the facet's own side of it.
-            at_kink = np.abs(np.abs(local) - contact) <= self.step
+            # An end within three float32 steps of a kink belongs to the facet's own side of it.
+            at_kink = np.abs(np.abs(local) - contact) <= 3 * self.step
             wall = np.where(at_kink, np.abs(self.middle), np.abs(local)) > contact
-            local = np.where(np.abs(local) <= self.step, self.middle * 1e-9, local)
+            at_valley = (contact == 0) & (np.abs(local) <= 2 * self.step)
+            local = np.where(at_valley, self.middle * 1e-9, local)
             error = np.hypot(self.angle - self._angle_at(local, wall), self.lean)
             worst = max(worst, float(error.max()))
         return worst
@@ -240,7 +250,7 @@ class _Facets:
             self.film.groove.wall_slope,
             float((self.film.curvature * self.contact).max()),
         )
-        return steepest * self.step / 2 + 2 * float(np.spacing(np.float32(self.film.thickness)))
+        return steepest * self.step + 2 * float(np.spacing(np.float32(self.film.thickness)))
 
     def curvature(self) -> NDArray[np.float64]:
         """Return C [1/mm] of each groove by least squares over the corners above its walls.

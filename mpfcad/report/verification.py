@@ -18,7 +18,7 @@ SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
-STEP_VOLUME_LIMIT = 1e-6
+STEP_VOLUME_LIMIT = 1e-9
 MESH_VOLUME_LIMIT = 1e-4
 CURVATURE_LIMIT = 0.1
 LOST_LIMIT = 1e-6
@@ -178,6 +178,7 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "triangle_count": int(check.triangle_count),
         "volume_error": float(check.volume_error),
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
+        "secant_error_deg_rms": float(check.secant_error_rms / deg),
         "normal_error_deg_max": float(check.normal_error_max / deg),
     }
 
