@@ -72,7 +72,8 @@ def build_mould(
     options = {} if sliver is None else {"sliver": sliver}
     outline = build_section(film, made, **options)
     cut = outline
-    nose = tool_radius * (1 - shrinkage)
+    shrink = 1 - shrinkage
+    nose = tool_radius * shrink
     if nose > made.tip_radius:
         try:
             cut = build_section(film, replace(made, tip_radius=nose), **options)
@@ -82,11 +83,11 @@ def build_mould(
                 f"tool radius: {tool_radius / um:g} µm: does not fit the film's tips: must{text}"
             ) from None
     level = outline.thickness
-    negative, reachable = (
-        part.turned_over(level, backing * (1 - shrinkage)).scaled(1 / (1 - shrinkage))
-        for part in (outline, cut)
-    )
-    tips = negative.width - film.tip_position[::-1] / (1 - shrinkage)
+    negative = outline.turned_over(level, backing * shrink).scaled(1 / shrink)
+    reachable = negative
+    if cut is not outline:
+        reachable = cut.turned_over(level, backing * shrink).scaled(1 / shrink)
+    tips = negative.width - film.tip_position[::-1] / shrink
     tips[[0, -1]] = 0.0, negative.width
     area = np.diff(reachable.area_to(tips) - negative.area_to(tips))
     height = reachable.height(tips) - negative.height(tips)

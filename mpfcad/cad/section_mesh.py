@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.mesh import Mesh
+from mpfcad.cad.mesh import VOLUME_SHARE, Mesh
 from mpfcad.errors import InputError
 from mpfcad.film import Section
 from mpfcad.film.section import ARC, LINE
@@ -42,7 +42,8 @@ def build_outline(
     tolerance = piece_tolerance(section, angle_tolerance)
     rounding = 0.75 * _step(section) * _sharpest(section)
     room = np.maximum(SHARE * tolerance - rounding, tolerance / 8)
-    count = np.where(section.kind == LINE, 1, np.maximum(np.ceil(turn / (2 * room)), 1))
+    needed = np.maximum(turn / (2 * room), _chords_for_volume(section))
+    count = np.where(section.kind == LINE, 1, np.maximum(np.ceil(needed), 1))
     count = count.astype(np.int64)
     start = np.concatenate(([0], np.cumsum(count)))
     owner = np.repeat(piece, count)
@@ -111,6 +112,15 @@ def _sharpest(section: Section) -> NDArray[np.float64]:
     bend = np.where(section.kind == LINE, 1.0, section.bend)
     arc = np.hypot(1.0, np.maximum(*slope)) / np.abs(bend)
     return np.select([section.kind == LINE, section.kind == ARC], [0.0, arc], np.abs(bend))
+
+
+def _chords_for_volume(section: Section) -> NDArray[np.float64]:
+    """Return how many chords each piece needs, (m,), to change the volume by `VOLUME_SHARE` at most.
+
+    k chords over a width w that bends by at most κ are off by κ w³/(12 k²) in area.
+    """
+    mean = section.area / section.width
+    return np.diff(section.x) * np.sqrt(_sharpest(section) / (12 * VOLUME_SHARE * mean))
 
 
 def _lender(owner: NDArray[np.int64], x: NDArray[np.float32]) -> NDArray[np.int64]:

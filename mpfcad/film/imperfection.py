@@ -154,7 +154,9 @@ class _Drawing:
             room = self.half_width - np.maximum(self.contact, self.arc_end)
             past = walls & (np.maximum(reach[:-1, 1], reach[1:, 0]) > room - self.sliver)
             past &= self.contact > 0
-            self.tip_reach, self.tip_centre = reach, centre
+            # Between flat surfaces there is nothing to round.
+            self.tip_reach = np.where(reach.max(axis=1, keepdims=True) < self.sliver, 0.0, reach)
+            self.tip_centre = centre
             if not past.any():
                 break
             self.contact = np.where(past, self.half_width, self.contact)
