@@ -103,7 +103,7 @@ def build_cross_section(
         off = np.bincount(groove, chord > tolerance, minlength=film.groove_count) > 0
         if not off.any():
             return section
-        pieces = pieces + off * np.maximum(pieces // 16, 1)
+        pieces = pieces + off * np.maximum(pieces // 8, 1)
     raise InputError(
         f"angle_tolerance: {angle_tolerance / deg:g} deg: too fine for the float32 coordinates of"
         f" an STL file {film.width:g} mm wide"
