@@ -74,7 +74,8 @@ def _distance(points: NDArray[np.float64], step: StepText) -> NDArray[np.float64
     best = np.minimum(*(_to_nearest(points[:, i], levels[i]) for i in (0, 2)))
     walls = np.abs(normal).max(axis=1) < 1
     if walls.any():
-        best = np.minimum(best, _to_walls(points, step.plane_point[walls], step.plane_normal[walls]))
+        anchor, direction = step.plane_point[walls], step.plane_normal[walls]
+        best = np.minimum(best, _to_walls(points, anchor, direction))
     if len(step.vertex):
         best = np.minimum(best, _to_parabolas(points, step))
     return np.maximum(best, ends)

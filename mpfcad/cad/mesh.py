@@ -2,11 +2,10 @@
 
 The cross-section is a polyline refined by *angle*: a chord of the parabola has the slope of its
 middle, so a facet of width Δx is off by C·Δx/2 at its ends. A binary STL holds float32, of which
-one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the rounded x: the corners
-lie on the true profile. Of the x within a few hundredths of a facet the one is taken whose z rounds
-best. A half groove without a bare wall to end on is stretched (by at most half a step) to end at
-the rounded tip at full height. The same polyline in float64 is not rounded at all.
-"""
+one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the rounded x: the
+corners lie on the true profile. Of the x within a fraction of a facet the one is taken whose z
+rounds best. A half groove without a bare wall to end on is stretched (by at most half a step) to
+end at the rounded tip at full height. The same polyline in float64 is not rounded at all.
 
 import math
 from dataclasses import dataclass
@@ -136,8 +135,8 @@ def _lay_out(
     """Return the polyline with `pieces` chords in each half parabola, and how far each is off.
 
     `stretched` (n, 2) tells which half grooves end at full height, `number` is the coordinates'
-    type. The second array is the largest angle [rad] between a chord and the parabola at its two ends (0 for a wall), the
-    third the groove of each piece, both (m-1,).
+    type. The second array is the largest angle [rad] between a chord and the parabola at its two
+    ends (0 for a wall), the third the groove of each piece, both (m-1,).
     """
     half_width = film.groove.half_width
     bare = contact < half_width
@@ -206,7 +205,8 @@ def _stretched(
     """Return which half grooves, (n, 2) left and right, are stretched to end at full height.
 
     Those without a bare wall, or with one so short that rounding its tip would turn it by more than
-    `WALL_SHARE` of the tolerance [rad]; and the last one, so that the film has its full height at both sides.
+    `WALL_SHARE` of the tolerance [rad]; and the last one, so that the film has its full height at
+    both sides.
     """
     room = WALL_SHARE * tolerance * (film.groove.half_width - contact)
     turned = film.groove.wall_slope * step > room

@@ -1,4 +1,4 @@
-"""Write the film as a STEP file (AP214) in mm: an assembly of `BEF` and `fill`, or one body `film`."""
+"""Write the film as a STEP file (AP214) in mm: `BEF` and `fill`, or one body `film`."""
 
 from pathlib import Path
 

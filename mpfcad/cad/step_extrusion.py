@@ -7,6 +7,7 @@ the sides refer to the same ORIENTED_EDGE: the caps' bounds are stated reversed 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mpfcad.cad.step_file import StepFile, real
@@ -152,7 +153,7 @@ class Extrusion:
             edge.use[forward] = found
         return found
 
-    def _face(self, loop: "list[str] | tuple[str, ...]", sense: bool, surface: str, up: bool) -> None:
+    def _face(self, loop: Sequence[str], sense: bool, surface: str, up: bool) -> None:
         file = self.file
         edges = file.add(f"EDGE_LOOP('',({','.join(loop)}))")
         bound = file.add(f"FACE_BOUND('',{edges},{_SENSE[sense]})")

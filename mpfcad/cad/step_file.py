@@ -44,7 +44,8 @@ class StepFile:
 
     def point(self, x: float, y: float, z: float) -> str:
         """Return a point [mm]."""
-        return self.share("CARTESIAN_POINT", f"({_coordinate(x)},{_coordinate(y)},{_coordinate(z)})")
+        place = f"({_coordinate(x)},{_coordinate(y)},{_coordinate(z)})"
+        return self.share("CARTESIAN_POINT", place)
 
     def direction(self, x: float, y: float, z: float) -> str:
         """Return a direction; parallel to 1e-9 is the same, as it was first asked for.

@@ -33,7 +33,7 @@ class MeshCheck:
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
     secant_error_rms
-        rms angle [rad] between a facet and the film's surface from one end of the facet to the other
+        rms angle [rad] between a facet and the secant of the film's surface between its two ends
     normal_error_max
         largest angle [rad] between a facet and the film's surface at the facet's two ends
     height_error_max
@@ -84,7 +84,8 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
     refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
     secant = float(np.sqrt(np.mean(facets.secant_error() ** 2)))
-    return MeshCheck(True, float(volume_error), rms, secant, largest, height, len(corner), curvature)
+    volume_error = float(volume_error)
+    return MeshCheck(True, volume_error, rms, secant, largest, height, len(corner), curvature)
 
 
 def refuse_above(path: Path, what: str, value: float, limit: float) -> None:

@@ -1,7 +1,7 @@
 """Write the film as a 3MF file: unit mm, bodies `BEF` and `fill` as components of one assembly."""
 
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -87,7 +87,7 @@ def _model(meshes: dict[str, Mesh], name: str) -> Iterator[str]:
     yield f'</components></object></resources><build><item objectid="{whole}"/></build></model>'
 
 
-def _attributes(names: "str | tuple[str, ...]", form: str) -> str:
+def _attributes(names: Sequence[str], form: str) -> str:
     return " ".join(f'{name}="{form}"' for name in names)
 
 

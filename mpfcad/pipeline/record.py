@@ -49,6 +49,7 @@ def build_record(
         findings.mask,
         findings.step,
         findings.mesh,
+        findings.agreement,
         findings.curvature_difference,
         findings.traced_sha256 == hashes["film.stl"],
     )
