@@ -6,6 +6,7 @@ one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the
 corners lie on the true profile. Of the x within a fraction of a facet the one is taken whose z
 rounds best. A half groove without a bare wall to end on is stretched (by at most half a step) to
 end at the rounded tip at full height. The same polyline in float64 is not rounded at all.
+"""
 
 import math
 from dataclasses import dataclass

@@ -127,7 +127,7 @@ def make_cad(
     """
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
-    tiled = made is None and job.cad.stl == "tiles" and "stl" in formats
+    tiled = job.film.is_plain and job.cad.stl == "tiles" and "stl" in formats
     whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
     names = [f"film.{suffix}" for suffix in whole]
     with export_folder(out, "cad") as folder:
