@@ -7,6 +7,7 @@ aperture ratio to the fill fraction and so to the curvature. The `*_file` module
 `fit_stylus_trace` finds the curvature of a printed groove and `write_process` calibrates from it.
 """
 
+from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.geometry import PrismFilm
@@ -22,6 +23,8 @@ from mpfcad.film.stylus_fit import Interval, StylusFit, fit_stylus_trace
 
 __all__ = [
     "PROFILES",
+    "CellFilm",
+    "CellShape",
     "Coupon",
     "CurvatureMap",
     "Extent",

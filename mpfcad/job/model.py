@@ -43,7 +43,8 @@ class MapTable(_Table):
 class FilmTable(_Table):
     """`[film]`: profile, dimensions, refractive index (none: the stack's); how it is really made.
 
-    The mask is made for the first four; the last five are how the CAD piece departs from them.
+    The mask is made for the first four; the last five are how the CAD piece departs from them
+    or, with `cell`, is no row of grooves.
     """
 
     profile: Literal["filled", "ideal"] = "filled"
@@ -56,12 +57,14 @@ class FilmTable(_Table):
     prism_angle_deg: Annotated[Positive, Field(ge=20, le=160)] | None = None
     pitch_error_um: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
     measured_file: str | None = None
+    cell: Literal["groove", "pyramid", "paraboloid"] = "groove"
 
     @property
     def is_plain(self) -> bool:
         """Whether the film is made as designed."""
         made = (self.tip_radius_um, self.valley_radius_um, self.pitch_error_um)
-        return not any(made) and self.prism_angle_deg is None and self.measured_file is None
+        plain = not any(made) and self.prism_angle_deg is None and self.measured_file is None
+        return plain and self.cell == "groove"
 
     @property
     def tip_radius(self) -> float:

@@ -1,4 +1,4 @@
-"""The CAD piece as it is really made: rounded, at another angle or pitch, or as measured."""
+"""CAD pieces that are no plain row of grooves: imperfect or measured ones, and films of cells."""
 
 import math
 from dataclasses import dataclass, replace
@@ -6,6 +6,7 @@ from pathlib import Path
 
 from mpfcad.errors import InputError
 from mpfcad.film import (
+    CellFilm,
     Groove,
     Imperfection,
     PrismFilm,
@@ -41,6 +42,8 @@ def read_made(plan: Plan, job_file: Path) -> MadeFilm:
         when the job's departures cannot be.
     """
     table, piece = plan.job.film, plan.piece
+    if table.cell != "groove":
+        raise InputError(f"{job_file}: film.cell: {table.cell}: must be 'groove' for a mould")
     pitch = piece.groove.pitch + table.pitch_error
     if pitch <= 0:
         raise InputError(
@@ -59,29 +62,45 @@ def read_made(plan: Plan, job_file: Path) -> MadeFilm:
     return MadeFilm(film, Imperfection(table.tip_radius, table.valley_radius, measured))
 
 
-def refuse_imperfect(table: FilmTable, where: str) -> None:
-    """Refuse to verify a film that is not made as designed.
+def _read_cells(plan: Plan, job_file: Path) -> CellFilm:
+    """Return the film of cells that a job's CAD piece is, as many as its size holds."""
+    job, piece = plan.job, plan.piece
+    if job.map.curvature_per_mm is None:
+        raise InputError(f"{job_file}: map.file: {job.map.file}: cells must have one curvature")
+    others = FilmTable.model_validate({**job.film.model_dump(), "cell": "groove"})
+    if not others.is_plain:
+        raise InputError(f"{job_file}: film.cell: {job.film.cell}: cells must be made as designed")
+    along = max(round(piece.length / piece.groove.pitch), 1)
+    count = (piece.groove_count, along)
+    curvature = job.map.curvature_per_mm
+    return CellFilm(piece.groove, piece.base, job.film.cell, piece.profile, curvature, count)
 
-    Raises
-    ------
-    InputError
-        when the job states a departure.
-    """
-    if not table.is_plain:
-        raise InputError(
-            f"{where}: film: departures from the designed film: must be left out of a run; "
-            "mpfcad cad draws them and mpfcad trace traces the mesh"
-        )
 
-
-def write_made(
-    made: MadeFilm,
+def _write_cells(
+    film: CellFilm,
     folder: Path,
     formats: tuple[str, ...],
     angle_tolerance: float,
     progress: Progress,
 ) -> None:
-    """Write film.step (one body, `film`) and film.stl, and check them from the files.
+    """Write film.step (one body, `film`) and film.stl of cells, and check them from the files."""
+    from mpfcad.cad import cell_check, cell_mesh, cell_step, stl
+
+    if "step" in formats:
+        progress.stage("writing film.step")
+        cell_step.write_cell_step(film, folder / "film.step")
+        cell_check.check_cell_step(folder / "film.step", film)
+    if "stl" in formats:
+        progress.stage("writing film.stl")
+        mesh = cell_mesh.build_cell_mesh(film, angle_tolerance)
+        stl.write_mesh(mesh, folder / "film.stl", "film")
+        cell_check.check_cell_stl(folder / "film.stl", film, angle_tolerance)
+
+
+def write_unusual(
+    plan: Plan, job_file: Path, folder: Path, formats: tuple[str, ...], progress: Progress
+) -> None:
+    """Write film.step and film.stl of a job that is not plain, and check them from the files.
 
     Raises
     ------
@@ -90,12 +109,42 @@ def write_made(
     ExportError
         when a file does not read back as what it should hold.
     """
+    unknown = [name for name in formats if name not in ("step", "stl")]
+    if unknown:
+        raise InputError(f"--format: {unknown[0]}: such a film is written as step, stl")
+    tolerance = plan.job.cad.angle_tolerance
+    if plan.job.film.cell == "groove":
+        _write_made(read_made(plan, job_file), folder, formats, tolerance, progress)
+    else:
+        _write_cells(_read_cells(plan, job_file), folder, formats, tolerance, progress)
+
+
+def refuse_unusual(table: FilmTable, where: str) -> None:
+    """Refuse to verify what is no plain row of grooves, made as designed.
+
+    Raises
+    ------
+    InputError
+        when the job states a departure, or cells.
+    """
+    if not table.is_plain:
+        raise InputError(
+            f"{where}: film: departures from the designed film, or cells: not for a run: "
+            "mpfcad cad draws them and mpfcad trace traces the mesh"
+        )
+
+
+def _write_made(
+    made: MadeFilm,
+    folder: Path,
+    formats: tuple[str, ...],
+    angle_tolerance: float,
+    progress: Progress,
+) -> None:
+    """Write film.step (one body, `film`) and film.stl, and check them from the files."""
     from mpfcad.cad import section_check, section_mesh, section_step, stl
     from mpfcad.cad.mesh import mesh_sliver
 
-    unknown = [name for name in formats if name not in ("step", "stl")]
-    if unknown:
-        raise InputError(f"--format: {unknown[0]}: an imperfect film is written as step, stl")
     if "step" in formats:
         progress.stage("writing film.step")
         section, path = made.section(), folder / "film.step"

@@ -1,4 +1,4 @@
-"""`make_mould`: the mould of a job's film, its turning table and drawing, checked from the files."""
+"""`make_mould`: the mould of a job's film, its turning table and drawings, all checked."""
 
 from dataclasses import dataclass
 from pathlib import Path
