@@ -151,7 +151,7 @@ def test_report_is_self_contained_and_well_formed(export):
     page.feed(text)
     assert page.open == []
     assert page.references == []
-    assert page.ids == ["film", "luminance"]
+    assert page.ids == ["film", "grooves", "luminance"]
     record = json.loads((export / "verification.json").read_text())
     assert f'<div class="banner {record["verdict"]}">' in text
     for digest in record["provenance"]["sha256"].values():

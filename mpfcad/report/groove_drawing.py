@@ -19,7 +19,7 @@ SURFACE = 'stroke="#0b3d66" stroke-width="1.6"'
 
 def draw_grooves(mesh: Path, film: PrismFilm) -> str:
     """Return the SVG of three grooves above the lamp and three between the lamps."""
-    corner = _section(mesh)
+    corner = read_section(mesh)
     groups = [("first grooves of the piece (above the lamp)", 0)]
     middle = max(film.groove_count // 2 - 1, 0)
     if middle > GROUP:
@@ -36,7 +36,7 @@ def draw_grooves(mesh: Path, film: PrismFilm) -> str:
     return svg.picture(total, height + 66, "Cross-section of the film, to scale", parts)
 
 
-def _section(mesh: Path) -> NDArray[np.float64]:
+def read_section(mesh: Path) -> NDArray[np.float64]:
     """Return the (m, 2) corners x, z [mm] of the film's top at its near end, by x."""
     import trimesh
 
