@@ -131,5 +131,6 @@ def _extrude(
     for end in (0, count - 1):
         low_near, high_near, low_far, high_far = (end + row * count for row in range(4))
         if thick[end]:
-            faces.append(np.array([[low_near, high_near, high_far], [low_near, high_far, low_far]]))
+            side = np.array([[low_near, high_near, high_far], [low_near, high_far, low_far]])
+            faces.append(side if end == 0 else side[:, ::-1])
     return np.concatenate(corners), np.concatenate(faces)
