@@ -113,3 +113,33 @@ def test_bad_input_is_one_line(job, tmp_path, capsys, command, film, options, wo
     assert len(errors) == 1
     assert words in errors[0]
     assert not (tmp_path / "bad").exists()
+
+
+@pytest.mark.parametrize(
+    ("cell", "profile"), [("pyramid", "filled"), ("pyramid", "ideal"), ("paraboloid", "ideal")]
+)
+def test_cells(job, tmp_path, capsys, cell, profile):
+    path = job(f'cell = "{cell}"\nprofile = "{profile}"')
+    path.write_text(path.read_text().replace("length_mm = 0.5", "length_mm = 0.1"))
+    assert run_app(["cad", str(path), "--out", "c"]) == 0
+    mesh = read_film_mesh(tmp_path / "c" / "film.stl")
+    assert mesh.size == pytest.approx((4.0, 0.1, 0.225), rel=1e-6)
+    assert (tmp_path / "c" / "film.step").is_file()
+
+
+@pytest.mark.parametrize(
+    ("command", "film", "words"),
+    [
+        ("cad", 'cell = "cone"', "film.cell: cone"),
+        ("cad", 'cell = "paraboloid"', "paraboloid: profile filled: must be 'ideal'"),
+        ("cad", 'cell = "pyramid"\ntip_radius_um = 1', "cells must be made as designed"),
+        ("mould", 'cell = "pyramid"', "film.cell: pyramid: must be 'groove' for a mould"),
+        ("run", 'cell = "pyramid"', "or cells: not for a run"),
+    ],
+)
+def test_cells_refused(job, tmp_path, capsys, command, film, words):
+    assert run_app([command, str(job(film)), "--out", "bad"]) == 2
+    errors = [e for e in capsys.readouterr().err.splitlines() if e.startswith("mpfcad: ")]
+    assert len(errors) == 1
+    assert words in errors[0]
+    assert not (tmp_path / "bad").exists()
