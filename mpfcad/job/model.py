@@ -4,7 +4,7 @@ Outside every quantity carries its unit in its name (`pitch_um`); the properties
 give the inside value (mm, rad).
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -59,12 +59,21 @@ class FilmTable(_Table):
     measured_file: str | None = None
     cell: Literal["groove", "pyramid", "paraboloid"] = "groove"
 
+    #: The fields that make a film something else than grooves as designed.
+    UNUSUAL: ClassVar[tuple[str, ...]] = (
+        "tip_radius_um",
+        "valley_radius_um",
+        "prism_angle_deg",
+        "pitch_error_um",
+        "measured_file",
+        "cell",
+    )
+
     @property
     def is_plain(self) -> bool:
-        """Whether the film is made as designed."""
-        made = (self.tip_radius_um, self.valley_radius_um, self.pitch_error_um)
-        plain = not any(made) and self.prism_angle_deg is None and self.measured_file is None
-        return plain and self.cell == "groove"
+        """Whether the film is a row of grooves, made as designed."""
+        fields = type(self).model_fields
+        return all(getattr(self, name) == fields[name].default for name in self.UNUSUAL)
 
     @property
     def tip_radius(self) -> float:

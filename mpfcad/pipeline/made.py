@@ -67,8 +67,7 @@ def _read_cells(plan: Plan, job_file: Path) -> CellFilm:
     job, piece = plan.job, plan.piece
     if job.map.curvature_per_mm is None:
         raise InputError(f"{job_file}: map.file: {job.map.file}: cells must have one curvature")
-    others = FilmTable.model_validate({**job.film.model_dump(), "cell": "groove"})
-    if not others.is_plain:
+    if not job.film.model_copy(update={"cell": "groove"}).is_plain:
         raise InputError(f"{job_file}: film.cell: {job.film.cell}: cells must be made as designed")
     along = max(round(piece.length / piece.groove.pitch), 1)
     count = (piece.groove_count, along)

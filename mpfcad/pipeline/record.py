@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.export import sha256
-from mpfcad.job import Job
+from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.examine import BASELINE_PRESET, Findings
@@ -147,7 +147,7 @@ def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
             "source": "the job" if key in stated else source,
         }
         for key, value in model.model_dump(mode="json").items()
-        if value is not None
+        if value is not None and not (table == "film" and key in FilmTable.UNUSUAL)
     ]
 
 
