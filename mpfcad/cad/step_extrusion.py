@@ -27,11 +27,12 @@ class Parabola:
 class _Edge:
     """An edge of the file, and the references by which faces follow it."""
 
-    __slots__ = ("entity", "use")
+    __slots__ = ("backward", "entity", "forward")
 
     def __init__(self, entity: str) -> None:
         self.entity = entity
-        self.use: dict[bool, str] = {}
+        self.forward: str | None = None
+        self.backward: str | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -147,10 +148,13 @@ class Extrusion:
         return _Edge(self.file.add(f"EDGE_CURVE('',{start},{end},{curve},.T.)"))
 
     def _use(self, edge: _Edge, forward: bool) -> str:
-        found = edge.use.get(forward)
+        found = edge.forward if forward else edge.backward
         if found is None:
             found = self.file.add(f"ORIENTED_EDGE('',*,*,{edge.entity},{_SENSE[forward]})")
-            edge.use[forward] = found
+            if forward:
+                edge.forward = found
+            else:
+                edge.backward = found
         return found
 
     def _face(self, loop: Sequence[str], sense: bool, surface: str, up: bool) -> None:
