@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.outline import check_drawable, drawn_contact
-from mpfcad.cad.rounding import settle
+from mpfcad.cad.rounding import settle, stretched_halves, tip_height
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg, nm, um
@@ -24,8 +24,6 @@ from mpfcad.units import deg, nm, um
 VOLUME_SHARE = 3e-5
 #: Chords narrower than this are not drawn: float32 in z alone would spoil their angle.
 FINEST_CHORD = 10 * nm
-#: Share of the angle tolerance by which rounding a tip may turn a bare wall.
-WALL_SHARE = 0.5
 #: Walls and parabolas narrower than this are merged into their neighbours.
 SLIVER = 0.1 * um
 
@@ -97,7 +95,7 @@ def build_cross_section(
     pieces = np.maximum(reach / (2 * room), _pieces_for_volume(film, contact))
     pieces = np.where(contact > 0, np.clip(np.ceil(pieces), 1, 10**9), 0).astype(np.int64)
     finest = np.maximum(2 * step, FINEST_CHORD)
-    stretched = _stretched(film, contact, step, tolerance)
+    stretched = stretched_halves(film, contact, step, tolerance)
     while tolerance > 0 and np.all(pieces * finest <= contact):
         section, chord, groove = _lay_out(film, contact, reach, pieces, stretched, number)
         off = np.bincount(groove, chord > tolerance, minlength=film.groove_count) > 0
@@ -177,13 +175,13 @@ def _lay_out(
 
     x = settle(x, parabola, np.where(end, np.sign(local), 0), chord, height)
     local = (x - centre) * stretch
-    tip_height = _tip_height(film, tips, stretched)
+    tip_z = tip_height(film, tips, stretched)
     wall = film.base + film.groove.wall_slope * np.abs(local)
     z = np.where(parabola, height(x, slice(None)), wall)
-    z[start[:-1]] = tip_height[:-1]
+    z[start[:-1]] = tip_z[:-1]
 
     x = np.append(x, tips[-1])
-    z = np.append(z, tip_height[-1]).astype(x.dtype)
+    z = np.append(z, tip_z[-1]).astype(x.dtype)
     chord = np.arctan2(np.diff(z.astype(float)), np.diff(x.astype(float)))
     ahead = np.append(local[1:], half_width)
     ahead = np.where(start[groove + 1] - 1 == np.arange(start[-1]), half_width, ahead)
@@ -195,35 +193,6 @@ def _lay_out(
     )
     section = CrossSection(x, z, start, start[:-1] + pieces + bare)
     return section, np.where(curved, off, 0.0), groove
-
-
-def _stretched(
-    film: PrismFilm,
-    contact: NDArray[np.float64],
-    step: NDArray[np.floating],
-    tolerance: float,
-) -> NDArray[np.bool_]:
-    """Return which half grooves, (n, 2) left and right, are stretched to end at full height.
-
-    Those without a bare wall, or with one so short that rounding its tip would turn it by more than
-    `WALL_SHARE` of the tolerance [rad]; and the last one, so that the film has its full height at
-    both sides.
-    """
-    room = WALL_SHARE * tolerance * (film.groove.half_width - contact)
-    turned = film.groove.wall_slope * step > room
-    stretched = np.repeat(turned[:, None], 2, axis=1)
-    stretched[-1, 1] = True
-    return stretched
-
-
-def _tip_height(
-    film: PrismFilm, tips: NDArray[np.floating], stretched: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    """Return z of each tip, (n+1,): full height where a stretched half ends, else on the walls."""
-    whole = np.ones(len(tips), bool)
-    whole[1:-1] = stretched[:-1, 1] | stretched[1:, 0]
-    lower = film.groove.wall_slope * np.abs(tips - film.tip_position)
-    return film.thickness - np.where(whole, 0.0, lower)
 
 
 def build_mesh(

@@ -1,15 +1,20 @@
-"""Which float32 a corner's x is rounded to: one whose z rounds well too."""
+"""What float32 does to a film's corners: which x they are rounded to, and how high tips end."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.film import PrismFilm
+
 #: A corner may move by so many steps to each side, each 3 % of a chord or one float32 step,
 TRIALS = 4
 STRIDE = 0.03
 #: but by no more than this share of a chord.
 REACH = 0.25
+
+#: Share of the angle tolerance by which rounding a tip may turn a bare wall.
+WALL_SHARE = 0.5
 
 #: z [mm] at x [mm] for the corners in a mask.
 Height = Callable[[NDArray[np.floating], NDArray[np.bool_]], NDArray[np.float64]]
@@ -65,3 +70,32 @@ def settle(
 def _error(z: NDArray[np.float64], number: np.dtype) -> NDArray[np.float64]:
     """Return how far z [mm] moves when rounded."""
     return np.abs(z - z.astype(number))
+
+
+def stretched_halves(
+    film: PrismFilm,
+    contact: NDArray[np.float64],
+    step: NDArray[np.floating],
+    tolerance: float,
+) -> NDArray[np.bool_]:
+    """Return which half grooves, (n, 2) left and right, are stretched to end at full height.
+
+    Those without a bare wall, or with one so short that rounding its tip would turn it by more than
+    `WALL_SHARE` of the tolerance [rad]; and the last one, so that the film has its full height at
+    both sides.
+    """
+    room = WALL_SHARE * tolerance * (film.groove.half_width - contact)
+    turned = film.groove.wall_slope * step > room
+    stretched = np.repeat(turned[:, None], 2, axis=1)
+    stretched[-1, 1] = True
+    return stretched
+
+
+def tip_height(
+    film: PrismFilm, tips: NDArray[np.floating], stretched: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return z of each tip, (n+1,): full height where a stretched half ends, else on the walls."""
+    whole = np.ones(len(tips), bool)
+    whole[1:-1] = stretched[:-1, 1] | stretched[1:, 0]
+    lower = film.groove.wall_slope * np.abs(tips - film.tip_position)
+    return film.thickness - np.where(whole, 0.0, lower)
