@@ -18,7 +18,7 @@ SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
-STEP_VOLUME_LIMIT = 1e-9
+STEP_VOLUME_LIMIT = 2e-9
 MESH_VOLUME_LIMIT = 1e-4
 AGREEMENT_VOLUME_LIMIT = 1e-4
 CURVATURE_LIMIT = 0.1
