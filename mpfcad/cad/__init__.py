@@ -1,15 +1,36 @@
 """The film as files for CAD and for ray tracers, each checked again from the file.
 
-`write_step` draws the prism film (`BEF`) and the resin (`fill`) as exact bodies; `write_stl` draws
-both together as one closed mesh of facets within an angle of the surface. `check_step` and
-`check_stl` read such a file back with other code than wrote it and raise `ExportError` when it is
-not the film. Lengths are mm, x across the grooves, y along them, z up, one corner at the origin.
-OCCT, trimesh and manifold3d are loaded only when used.
+`write_step` draws the prism film (`BEF`) and the resin (`fill`) as exact bodies; `write_stl`,
+`write_ply` and `write_3mf` draw closed meshes of facets within an angle of the surface. `check_…`
+reads such a file back with another library than wrote it and raises `ExportError` when it is not
+the film; `check_agreement` compares STEP and STL with each other. `section_*` do the same for any
+cross-section of exact pieces (imperfect films, and moulds with `mould`, `turning` and `dxf`), `cell_*`
+for films of cells. Lengths are mm, x across the
+grooves, y along them, z up, one corner at the origin. OCCT, trimesh, manifold3d and lib3mf are
+loaded only when used.
 """
 
+from mpfcad.cad.agreement import Agreement, check_agreement
+from mpfcad.cad.mesh_file_check import BodyCheck, check_3mf, check_ply
+from mpfcad.cad.ply import write_ply
 from mpfcad.cad.step import write_step
 from mpfcad.cad.step_check import StepCheck, check_step
 from mpfcad.cad.stl import write_stl
 from mpfcad.cad.stl_check import MeshCheck, check_stl
+from mpfcad.cad.threemf import write_3mf
 
-__all__ = ["MeshCheck", "StepCheck", "check_step", "check_stl", "write_step", "write_stl"]
+__all__ = [
+    "Agreement",
+    "BodyCheck",
+    "MeshCheck",
+    "StepCheck",
+    "check_3mf",
+    "check_agreement",
+    "check_ply",
+    "check_step",
+    "check_stl",
+    "write_3mf",
+    "write_ply",
+    "write_step",
+    "write_stl",
+]

@@ -2,9 +2,10 @@
 
 The cross-section is a polyline refined by *angle*: a chord of the parabola has the slope of its
 middle, so a facet of width Δx is off by C·Δx/2 at its ends. A binary STL holds float32, of which
-one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the rounded x, and each
-half groove is stretched (by at most half a step) to end at the rounded tip. Then the facets' slopes
-stay right although their ends moved.
+one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the rounded x: the
+corners lie on the true profile. Of the x within a fraction of a facet the one is taken whose z
+rounds best. A half groove without a bare wall to end on is stretched (by at most half a step) to
+end at the rounded tip at full height. The same polyline in float64 is not rounded at all.
 """
 
 import math
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.outline import check_drawable, drawn_contact
+from mpfcad.cad.rounding import settle, stretched_halves, tip_height
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg, nm, um
@@ -28,9 +30,9 @@ SLIVER = 0.1 * um
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A triangle mesh: `vertices` (v, 3) float32 [mm], `triangles` (t, 3) int64, outward."""
+    """A triangle mesh: `vertices` (v, 3) float32 or float64 [mm], `triangles` (t, 3), outward."""
 
-    vertices: NDArray[np.float32]
+    vertices: NDArray[np.floating]
     triangles: NDArray[np.int64]
 
 
@@ -41,15 +43,15 @@ class CrossSection:
     Attributes
     ----------
     x, z
-        (m,) float32 [mm], the corners
+        (m,) float32 or float64 [mm], the corners
     tip
         (n+1,) int64, index of each tip
     centre
         (n,) int64, index of each groove's lowest corner
     """
 
-    x: NDArray[np.float32]
-    z: NDArray[np.float32]
+    x: NDArray[np.floating]
+    z: NDArray[np.floating]
     tip: NDArray[np.int64]
     centre: NDArray[np.int64]
 
@@ -66,7 +68,9 @@ def mesh_contact(film: PrismFilm) -> NDArray[np.float64]:
     return drawn_contact(film, mesh_sliver(film))
 
 
-def build_cross_section(film: PrismFilm, angle_tolerance: float) -> CrossSection:
+def build_cross_section(
+    film: PrismFilm, angle_tolerance: float, number: type[np.floating] = np.float32
+) -> CrossSection:
     """Return the polyline whose normals are nowhere more than `angle_tolerance` [rad] off.
 
     Both halves of a groove have the same number of corners at the same distances from its centre;
@@ -80,23 +84,24 @@ def build_cross_section(film: PrismFilm, angle_tolerance: float) -> CrossSection
     check_drawable(film)
     if not (math.isfinite(angle_tolerance) and angle_tolerance > 0):
         raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: must be above 0 deg")
-    # The stretch turns a facet by up to half a float32 step at each end, over half a groove.
-    turn = float(np.spacing(np.float32(film.width))) / film.groove.half_width
+    # The stretch turns a facet by up to half a step at each end, over half a groove.
+    turn = float(np.spacing(number(film.width))) / film.groove.half_width
     tolerance = angle_tolerance - turn
     contact = mesh_contact(film)
     reach = np.arctan(film.curvature * contact)
-    # A chord may come out one float32 step wider than planned.
-    step = np.spacing(film.tip_position[1:].astype(np.float32)).astype(float)
+    # A chord may come out one step wider than planned.
+    step = np.spacing(film.tip_position[1:].astype(number))
     room = np.maximum(tolerance - film.curvature * step / 2, angle_tolerance / 4)
     pieces = np.maximum(reach / (2 * room), _pieces_for_volume(film, contact))
     pieces = np.where(contact > 0, np.clip(np.ceil(pieces), 1, 10**9), 0).astype(np.int64)
     finest = np.maximum(2 * step, FINEST_CHORD)
+    stretched = stretched_halves(film, contact, step, tolerance)
     while tolerance > 0 and np.all(pieces * finest <= contact):
-        section, chord, groove = _lay_out(film, contact, reach, pieces)
+        section, chord, groove = _lay_out(film, contact, reach, pieces, stretched, number)
         off = np.bincount(groove, chord > tolerance, minlength=film.groove_count) > 0
         if not off.any():
             return section
-        pieces = pieces + off * np.maximum(pieces // 16, 1)
+        pieces = pieces + off * np.maximum(pieces // 8, 1)
     raise InputError(
         f"angle_tolerance: {angle_tolerance / deg:g} deg: too fine for the float32 coordinates of"
         f" an STL file {film.width:g} mm wide"
@@ -123,11 +128,14 @@ def _lay_out(
     contact: NDArray[np.float64],
     reach: NDArray[np.float64],
     pieces: NDArray[np.int64],
+    stretched: NDArray[np.bool_],
+    number: type[np.floating],
 ) -> tuple[CrossSection, NDArray[np.float64], NDArray[np.int64]]:
     """Return the polyline with `pieces` chords in each half parabola, and how far each is off.
 
-    The second array is the largest angle [rad] between a chord and the parabola at its two ends
-    (0 for a wall), the third the groove of each piece, both (m-1,).
+    `stretched` (n, 2) tells which half grooves end at full height, `number` is the coordinates'
+    type. The second array is the largest angle [rad] between a chord and the parabola at its two
+    ends (0 for a wall), the third the groove of each piece, both (m-1,).
     """
     half_width = film.groove.half_width
     bare = contact < half_width
@@ -141,45 +149,61 @@ def _lay_out(
     turn = np.divide(np.tan(angle * ratio), np.tan(angle), out=ratio.copy(), where=angle > 1e-9)
     local = np.where(pieces[groove] > 0, turn * contact[groove], 0.0)
     centre = film.groove_position[groove]
-    x = (centre + local).astype(np.float32)
-    tips = film.tip_position.astype(np.float32)
+    tips = film.tip_position.astype(number)
+    x = (centre + local).astype(number)
     x[start[:-1]] = tips[:-1]
 
-    # Each half groove stretched to end at the rounded tip.
-    stretch = half_width / np.abs(np.where(local < 0, tips[groove], tips[groove + 1]) - centre)
+    right = local >= 0
+    end_of_half = tips[groove + right]
+    stretch = np.where(
+        stretched[groove, right.astype(int)], half_width / np.abs(end_of_half - centre), 1.0
+    )
     # A contact point is rounded towards the centre, so that no parabola's chord reaches the wall.
-    end = (corner == 0) | (corner == 2 * pieces[groove])
-    beyond = end & bare[groove] & (np.abs(x - centre) * stretch > contact[groove])
-    x = np.where(beyond & (local != 0), np.nextafter(x, centre.astype(np.float32)), x)
+    end = ((corner == 0) | (corner == 2 * pieces[groove])) & bare[groove] & (local != 0)
+    beyond = end & (np.abs(x - centre) * stretch > contact[groove])
+    x = np.where(beyond, np.nextafter(x, centre.astype(x.dtype)), x)
+    parabola = (pieces[groove] > 0) & (corner >= 1 - bare[groove])
+    # Chords of equal turn are narrowest where the parabola is flat.
+    flat = np.divide(angle, np.tan(angle), out=np.ones_like(angle), where=angle > 1e-9)
+    chord = (contact / np.maximum(pieces, 1))[groove] * flat
+    chord *= 1 + (film.curvature[groove] * local) ** 2
+
+    def height(x: NDArray[np.floating], which: NDArray[np.bool_]) -> NDArray[np.float64]:
+        local = (x - centre[which]) * stretch[which]
+        drop = film.curvature[groove[which]] / 2 * (half_width - local) * (half_width + local)
+        return film.thickness - drop
+
+    x = settle(x, parabola, np.where(end, np.sign(local), 0), chord, height)
     local = (x - centre) * stretch
-    drop = film.curvature[groove] / 2 * (half_width - local) * (half_width + local)
+    tip_z = tip_height(film, tips, stretched)
     wall = film.base + film.groove.wall_slope * np.abs(local)
-    curved = (np.abs(local) <= contact[groove]) & (contact[groove] > 0)
-    height = np.where(curved, film.thickness - drop, wall)
-    height[start[:-1]] = film.thickness
+    z = np.where(parabola, height(x, slice(None)), wall)
+    z[start[:-1]] = tip_z[:-1]
 
     x = np.append(x, tips[-1])
-    z = np.append(height, film.thickness).astype(np.float32)
+    z = np.append(z, tip_z[-1]).astype(x.dtype)
     chord = np.arctan2(np.diff(z.astype(float)), np.diff(x.astype(float)))
     ahead = np.append(local[1:], half_width)
     ahead = np.where(start[groove + 1] - 1 == np.arange(start[-1]), half_width, ahead)
-    parabola = (corner >= 0) & (corner < 2 * pieces[groove])
+    curved = (corner >= 0) & (corner < 2 * pieces[groove])
     behind = np.where(corner == 0, -np.abs(local), local)
     off = np.maximum(
         np.abs(chord - np.arctan(film.curvature[groove] * behind)),
         np.abs(chord - np.arctan(film.curvature[groove] * ahead)),
     )
     section = CrossSection(x, z, start, start[:-1] + pieces + bare)
-    return section, np.where(parabola, off, 0.0), groove
+    return section, np.where(curved, off, 0.0), groove
 
 
-def build_mesh(film: PrismFilm, angle_tolerance: float) -> Mesh:
+def build_mesh(
+    film: PrismFilm, angle_tolerance: float, number: type[np.floating] = np.float32
+) -> Mesh:
     """Return the film as one closed mesh with facets within `angle_tolerance` [rad] of the surface.
 
     The underside is cut below each tip. A cap is fanned, in each groove, from the two corners below
     its tips: the surface falls from the tip to the middle, so each corner sees its whole half.
     """
-    section = build_cross_section(film, angle_tolerance)
+    section = build_cross_section(film, angle_tolerance, number)
     corners, tips = len(section.x), film.groove_count + 1
     below = section.x[section.tip]
     x = np.concatenate([section.x, below])

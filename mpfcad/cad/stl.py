@@ -21,8 +21,13 @@ def write_stl(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str 
     InputError
         when the film cannot be drawn, or float32 cannot hold so fine a mesh.
     """
+    write_mesh(build_mesh(film, angle_tolerance), path, name)
+
+
+def write_mesh(mesh: Mesh, path: Path, name: str) -> None:
+    """Write a closed mesh in mm; the 80-byte header names it and the unit."""
     path = Path(path)
-    facets = _facets(build_mesh(film, angle_tolerance))
+    facets = _facets(mesh)
     label = name.encode("ascii", "replace")[:40].decode()
     header = f"mpfcad binary STL, unit mm, {label}".encode().ljust(80)
     part = path.with_name("." + path.name + ".part")

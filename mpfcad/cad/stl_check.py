@@ -32,6 +32,8 @@ class MeshCheck:
     normal_error_rms
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
+    secant_error_rms
+        rms angle [rad] between a facet and the secant of the film's surface between its two ends
     normal_error_max
         largest angle [rad] between a facet and the film's surface at the facet's two ends
     height_error_max
@@ -45,6 +47,7 @@ class MeshCheck:
     watertight: bool
     volume_error: float
     normal_error_rms: float
+    secant_error_rms: float
     normal_error_max: float
     height_error_max: float
     triangle_count: int
@@ -61,35 +64,38 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
         (by more than `angle_tolerance` [rad]) or curvature.
     """
     path = Path(path)
-    corner, normal = _read(path)
-    volume = _check_closed(path, corner, normal)
+    corner, normal = read_facets(path)
+    volume = check_closed(path, corner, normal)
     volume_error = volume / film.volume - 1
-    _limit(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
+    refuse_above(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
     top = corner[_is_top(path, corner, film)]
     facets = _Facets(film, top)
 
     error = facets.middle_error()
     rms = float(np.sqrt(np.mean(error**2)))
-    _limit(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
+    refuse_above(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
     largest = facets.end_error()
-    _limit(path, "normal error [rad]", largest, angle_tolerance)
+    refuse_above(path, "normal error [rad]", largest, angle_tolerance)
     height = facets.height_error()
-    _limit(path, "height error [mm]", height, facets.height_tolerance())
+    refuse_above(path, "height error [mm]", height, facets.height_tolerance())
     curvature = facets.curvature()
     drawn = np.where(facets.contact > 0, film.curvature, film.groove.curvature_empty)
     stretch = np.spacing(np.float32(film.width)) / film.groove.half_width
     off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
-    _limit(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
-    return MeshCheck(True, float(volume_error), rms, largest, height, len(corner), curvature)
+    refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
+    secant = float(np.sqrt(np.mean(facets.secant_error() ** 2)))
+    volume_error = float(volume_error)
+    return MeshCheck(True, volume_error, rms, secant, largest, height, len(corner), curvature)
 
 
-def _limit(path: Path, what: str, value: float, limit: float) -> None:
+def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
+    """Raise ExportError unless `value` is at most `limit`."""
     # Written so that NaN fails.
     if not value <= limit:
         raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
 
 
-def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def read_facets(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the corners (t, 3, 3) and the stored normals (t, 3) of the facets."""
     from trimesh.exchange.stl import load_stl_binary
 
@@ -104,7 +110,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return corner, np.asarray(read["face_normals"], np.float64)
 
 
-def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
+def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     """Return the volume [mm³], once the facets bound one closed body and face outward."""
     import manifold3d
     import trimesh
@@ -114,7 +120,7 @@ def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     if not np.all(size > 0):
         raise ExportError(f"{path.name}: facet {int(np.argmin(size))} has no area")
     misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
-    _limit(path, "stored normal against the corners", float(misfit.max()), 1e-5)
+    refuse_above(path, "stored normal against the corners", float(misfit.max()), 1e-5)
 
     points, faces = _join(corner)
     mesh = trimesh.Trimesh(points, faces, process=False)
@@ -129,7 +135,9 @@ def _check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
         raise ExportError(f"{path.name}: not one simple solid: {body.status()}")
     if len(body.decompose()) != 1:
         raise ExportError(f"{path.name}: more than one body")
-    _limit(path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6)
+    refuse_above(
+        path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6
+    )
     return float(mesh.volume)
 
 
@@ -153,7 +161,7 @@ def _is_top(path: Path, corner: NDArray, film: PrismFilm) -> NDArray[np.bool_]:
     high = corner.max(axis=(0, 1))
     size = np.array([film.width, film.length, film.thickness], np.float32).astype(float)
     off = max(np.abs(low).max(), np.abs(high - size).max())
-    _limit(path, "extent error [mm]", float(off), 0.0)
+    refuse_above(path, "extent error [mm]", float(off), 0.0)
     side = np.zeros(len(corner), bool)
     for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
         side |= np.all(corner[:, :, axis] == level, axis=1)
@@ -177,7 +185,7 @@ class _Facets:
         self.groove = np.clip((middle / film.groove.pitch).astype(int), 0, last)
         self.middle = middle - film.groove_position[self.groove]
         self.contact = mesh_contact(film)
-        self.step = 2 * float(np.spacing(np.float32(film.width)))
+        self.step = float(np.spacing(np.float32(film.width)))
 
     def _angle_at(self, local: NDArray, wall: NDArray) -> NDArray:
         """Return the surface's angle [rad] at `local` [mm], on the wall or on the parabola."""
@@ -193,16 +201,22 @@ class _Facets:
         wall = np.abs(self.middle) > self.contact[self.groove]
         return np.hypot(self.angle - self._angle_at(self.middle, wall), self.lean)
 
+    def secant_error(self) -> NDArray[np.float64]:
+        """Return the angle [rad] between each facet and the surface between its two ends."""
+        rise = self.film.height(self.right) - self.film.height(self.left)
+        return np.hypot(self.angle - np.arctan2(rise, self.right - self.left), self.lean)
+
     def end_error(self) -> float:
         """Return the largest angle [rad] between a facet and the surface at its ends."""
         contact = self.contact[self.groove]
         worst = 0.0
         for x in (self.left, self.right):
             local = x - self.film.groove_position[self.groove]
-            # An end within two float32 steps of a kink belongs to the facet's own side of it.
-            at_kink = np.abs(np.abs(local) - contact) <= self.step
+            # An end within three float32 steps of a kink belongs to the facet's own side of it.
+            at_kink = np.abs(np.abs(local) - contact) <= 3 * self.step
             wall = np.where(at_kink, np.abs(self.middle), np.abs(local)) > contact
-            local = np.where(np.abs(local) <= self.step, self.middle * 1e-9, local)
+            at_valley = (contact == 0) & (np.abs(local) <= 2 * self.step)
+            local = np.where(at_valley, self.middle * 1e-9, local)
             error = np.hypot(self.angle - self._angle_at(local, wall), self.lean)
             worst = max(worst, float(error.max()))
         return worst
@@ -237,7 +251,7 @@ class _Facets:
             self.film.groove.wall_slope,
             float((self.film.curvature * self.contact).max()),
         )
-        return steepest * self.step / 2 + 2 * float(np.spacing(np.float32(self.film.thickness)))
+        return steepest * self.step + 2 * float(np.spacing(np.float32(self.film.thickness)))
 
     def curvature(self) -> NDArray[np.float64]:
         """Return C [1/mm] of each groove by least squares over the corners above its walls.

@@ -10,9 +10,9 @@ from mpfcad.cli.option import JobFile, Out, formats
 def command(
     job_file: JobFile,
     out: Out = None,
-    format: Annotated[str, typer.Option("--format", metavar="LIST", help="Of step, stl.")] = (
-        "step,stl"
-    ),
+    format: Annotated[
+        str, typer.Option("--format", metavar="LIST", help="Of step, stl, 3mf, ply.")
+    ] = ("step,stl"),
 ) -> int:
     """Make and check the CAD files of a job."""
     from mpfcad.cli.terminal import Terminal
@@ -23,7 +23,7 @@ def command(
     job = read_job(job_file)
     folder = out or default_out(job).with_name(f"{job.name}-cad")
     with Terminal() as terminal:
-        make_cad(job, job_file, folder, chosen, terminal)
-    for name in chosen:
-        print(folder / f"film.{name}")
+        names = make_cad(job, job_file, folder, chosen, terminal)
+    for name in names:
+        print(folder / name)
     return 0

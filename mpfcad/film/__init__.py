@@ -1,39 +1,61 @@
 """What the film *is*: one groove in closed form, and a row of grooves as a film. Pure numpy.
 
 `Groove` knows the bare V and its resin; `PrismFilm` is a row of them with one curvature each;
+`Section` is the outline of either a film, rounded or measured, or a mould, as exact pieces;
 `CurvatureMap` holds what the user wants and lays it onto the grooves; `CurvatureField` and
 `FieldFilm` are the same for a curvature that varies along the grooves too; `Process` ties the
 mask's aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and
-write.
+write; `fit_stylus_trace` finds the curvature of a printed groove and `write_process` calibrates
+from it.
 """
 
+from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.field import CurvatureField, FieldFilm
 from mpfcad.film.field_file import is_field_file, read_curvature_field
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.measured import average_groove
 from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
 from mpfcad.film.process_file import read_process
+from mpfcad.film.process_write import Coupon, write_process
+from mpfcad.film.section import Section
+from mpfcad.film.stylus import StylusTrace, read_stylus_trace
+from mpfcad.film.stylus_fit import Interval, StylusFit, fit_stylus_trace
 
 __all__ = [
     "PROFILES",
+    "CellFilm",
+    "CellShape",
+    "Coupon",
     "CurvatureField",
     "CurvatureMap",
     "Extent",
     "FieldFilm",
     "Groove",
+    "Imperfection",
+    "Interval",
     "PrismFilm",
     "Process",
     "Profile",
     "Repeat",
+    "Section",
+    "StylusFit",
+    "StylusTrace",
+    "average_groove",
+    "build_section",
     "check_aperture_ratio",
     "check_curvature",
     "check_printable",
+    "fit_stylus_trace",
     "groove_ranges",
     "is_field_file",
     "read_curvature_field",
     "read_curvature_map",
     "read_process",
+    "read_stylus_trace",
     "write_curvature_map",
+    "write_process",
 ]

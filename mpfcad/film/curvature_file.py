@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.film.csv_columns import read_columns
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, find_bad_curvature
 from mpfcad.film.groove import Groove, Profile
 
@@ -84,37 +85,8 @@ def read_curvature_map(
 
 
 def _read_csv(path: Path) -> _Table:
-    lines: list[int] = []
-    values: list[tuple[float, float]] = []
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            header = next(reader, [])
-            if tuple(header) != COLUMNS:
-                raise InputError(
-                    f"{path}: row 1: header {','.join(header)!r}: allowed {','.join(COLUMNS)!r}"
-                )
-            for fields in reader:
-                if fields:
-                    lines.append(reader.line_num)
-                    values.append(_parse_row(path, reader.line_num, fields))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not a text file ({error}): allowed CSV in UTF-8") from None
-    columns = np.array(values, dtype=float).reshape(-1, 2)
+    columns, lines = read_columns(path, COLUMNS)
     return _Table(path, columns[:, 0], columns[:, 1], lambda i: f"row {lines[i]}")
-
-
-def _parse_row(path: Path, line: int, fields: list[str]) -> tuple[float, float]:
-    if len(fields) != len(COLUMNS):
-        text = ",".join(fields)
-        raise InputError(f"{path}: row {line}: {text!r}: {len(fields)} fields: allowed 2")
-    numbers = []
-    for name, text in zip(COLUMNS, fields, strict=True):
-        try:
-            numbers.append(float(text.replace("_", "?")))  # Python alone reads 1_000 as a number
-        except ValueError:
-            raise InputError(f"{path}: row {line}: {name} {text!r}: allowed a number") from None
-    return numbers[0], numbers[1]
 
 
 def _read_npz(path: Path) -> _Table:

@@ -4,7 +4,7 @@ Outside every quantity carries its unit in its name (`pitch_um`); the properties
 give the inside value (mm, rad).
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -42,13 +42,59 @@ class MapTable(_Table):
 
 
 class FilmTable(_Table):
-    """`[film]`: profile, dimensions, refractive index (none: the stack's)."""
+    """`[film]`: profile, dimensions, refractive index (none: the stack's); how it is really made.
+
+    The mask is made for the first four; the last five are how the CAD piece departs from them
+    or, with `cell`, is no row of grooves.
+    """
 
     profile: Literal["filled", "ideal"] = "filled"
     pitch_um: Annotated[Positive, Field(le=2000)] = 50.0
     depth_um: Annotated[Positive, Field(le=2000)] = 25.0
     base_um: Annotated[Positive, Field(le=5000)] = 200.0
     refractive_index: Annotated[Positive, Field(gt=1, le=3)] | None = None
+    tip_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    valley_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
+    prism_angle_deg: Annotated[Positive, Field(ge=20, le=160)] | None = None
+    pitch_error_um: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
+    measured_file: str | None = None
+    cell: Literal["groove", "pyramid", "paraboloid"] = "groove"
+
+    #: The fields that make a film something else than grooves as designed.
+    UNUSUAL: ClassVar[tuple[str, ...]] = (
+        "tip_radius_um",
+        "valley_radius_um",
+        "prism_angle_deg",
+        "pitch_error_um",
+        "measured_file",
+        "cell",
+    )
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the film is a row of grooves, made as designed."""
+        fields = type(self).model_fields
+        return all(getattr(self, name) == fields[name].default for name in self.UNUSUAL)
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tips [mm]."""
+        return self._inside("tip_radius_um")
+
+    @property
+    def valley_radius(self) -> float:
+        """Radius of the bare prisms' valleys [mm]."""
+        return self._inside("valley_radius_um")
+
+    @property
+    def prism_angle(self) -> float | None:
+        """Angle between the two walls of a prism as made [rad]; None: what pitch and depth give."""
+        return None if self.prism_angle_deg is None else self._inside("prism_angle_deg")
+
+    @property
+    def pitch_error(self) -> float:
+        """What the pitch as made exceeds the designed one by [mm]."""
+        return self._inside("pitch_error_um")
 
     @property
     def pitch(self) -> float:
@@ -197,9 +243,11 @@ class MaskTable(_Table):
 
 
 class CadTable(_Table):
-    """`[cad]`: extent of film.step and film.stl, and the facets' angle tolerance."""
+    """`[cad]`: extent and bodies of the CAD files, and the facets' angle tolerance."""
 
     extent: Literal["pitch", "panel"] = "pitch"
+    bodies: Literal["separate", "fused"] = "separate"
+    stl: Literal["whole", "tiles"] = "whole"
     length_mm: Annotated[Positive, Field(le=2000)] = 2.0
     angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] = 0.5
 

@@ -19,6 +19,13 @@ pitch_um = 50.0
 depth_um = 25.0
 base_um = 200.0                 # thickness below the valleys
 # refractive_index = 1.55       # of prism and resin; the stack's when left out
+# How the CAD piece is really made (mpfcad cad, mould; not run): see docs/cad.md
+# tip_radius_um = 1.0           # rounded tips, and valleys of the bare prisms
+# valley_radius_um = 1.0
+# prism_angle_deg = 89.5        # of the prisms, instead of what pitch and depth give
+# pitch_error_um = 0.01
+# measured_file = "trace.csv"   # a stylus trace in the parabola's place
+# cell = "pyramid"              # or "paraboloid": cells in both directions instead of grooves
 
 [process]                       # aperture ratio <-> fill fraction
 # calibration = "process.toml"  # replaces the built-in one (docs/process.md)
@@ -46,6 +53,8 @@ levelling_length_mm = 1.0       # over which the resin levels along a groove
 extent = "pitch"                # one lamp pitch, or "panel"
 length_mm = 2.0                 # along the grooves, when extent = "pitch"
 angle_tolerance_deg = 0.5       # of the facets of film.stl
+bodies = "separate"             # film.step: prism and resin apart, or "fused" into one body
+stl = "whole"                   # `mpfcad cad`: one film.stl, or "tiles" of one lamp pitch each
 
 [stack]
 preset = "thesis-32in-mpf"      # `mpfcad stacks` lists them; or file = "my-stack.toml"

@@ -127,9 +127,7 @@ class _Cell:
         else:
             points = [(int(x), int(y)) for x, y in array.shape]
             start, record = points[0], b"\x15"
-            steps = [
-                (b[0] - a[0], b[1] - a[1]) for a, b in itertools.pairwise(points)
-            ]
+            steps = [(b[0] - a[0], b[1] - a[1]) for a, b in itertools.pairwise(points)]
             tail += b"\x04" + _uint(len(steps)) + b"".join(map(_step, steps))
             info |= 32
         where = (array.place.origin[0] + start[0], array.place.origin[1] + start[1])

@@ -8,6 +8,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
+from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
@@ -19,6 +20,7 @@ __all__ = [
     "SILENT",
     "TRACE_SETTINGS",
     "MaskPlan",
+    "MouldSetting",
     "Plan",
     "Progress",
     "Silent",
@@ -26,6 +28,7 @@ __all__ = [
     "default_out",
     "make_cad",
     "make_mask",
+    "make_mould",
     "read_mask_plan",
     "read_plan",
     "restore_plan",

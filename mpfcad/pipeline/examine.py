@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from mpfcad.backlight import Stack, read_stack
-from mpfcad.cad import MeshCheck, StepCheck
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.mask import Mask, MaskCheck
@@ -34,6 +34,8 @@ class Findings:
         check of each mask file by its name; empty without a mask
     step, mesh
         checks of film.step and film.stl
+    agreement
+        film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
         without mask the table's C stands in for the mask's
@@ -46,6 +48,7 @@ class Findings:
     mask: dict[str, MaskCheck]
     step: StepCheck
     mesh: MeshCheck
+    agreement: Agreement
     curvature_difference: float
     traced_sha256: str
     luminance: LuminanceResult
@@ -71,7 +74,7 @@ def examine(
     if mask is not None:
         table = plan.job.mask
         masks = check_masks(mask, phototool(table), folder, table.formats, progress)
-    step, mesh = _check_cad(folder, plan, progress)
+    step, mesh, agreement = _check_cad(folder, plan, progress)
     difference = _curvature_difference(plan, masks, mesh)
     progress.stage("tracing film.stl")
     before = sha256(folder / "film.stl")
@@ -79,16 +82,20 @@ def examine(
     luminance = _trace(plan, plan.stack, mesh_file, plan.offset, setting, threads, progress)
     progress.stage("tracing the conventional stack")
     baseline = _trace_baseline(plan, setting, threads, progress)
-    return Findings(masks, step, mesh, difference, before, luminance, baseline)
+    return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)
 
 
-def _check_cad(folder: Path, plan: Plan, progress: Progress) -> tuple[StepCheck, MeshCheck]:
-    from mpfcad.cad import check_step, check_stl
+def _check_cad(
+    folder: Path, plan: Plan, progress: Progress
+) -> tuple[StepCheck, MeshCheck, Agreement]:
+    from mpfcad.cad import check_agreement, check_step, check_stl
 
+    step_file, stl_file = folder / "film.step", folder / "film.stl"
     progress.stage("checking film.step")
-    step = check_step(folder / "film.step", plan.piece)
+    step = check_step(step_file, plan.piece, bodies=plan.job.cad.bodies)
     progress.stage("checking film.stl")
-    return step, check_stl(folder / "film.stl", plan.piece, plan.job.cad.angle_tolerance)
+    mesh = check_stl(stl_file, plan.piece, plan.job.cad.angle_tolerance)
+    return step, mesh, check_agreement(step_file, stl_file, sum(step.bodies.values()))
 
 
 def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float:

@@ -6,12 +6,14 @@ from pathlib import Path
 from mpfcad.errors import InputError
 from mpfcad.job import Job, MaskTable
 from mpfcad.mask import Mask, MaskCheck, Phototool
-from mpfcad.pipeline.plan import CURVATURE_FILE, Plan
+from mpfcad.pipeline.plan import CURVATURE_FILE, Plan, groove_count
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.screen import mask_rules
 
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
-CAD_FORMATS = ("step", "stl")
+CAD_FORMATS = ("step", "stl", "3mf", "ply")
+#: What `run` makes: the CAD file and the mesh that is traced.
+RUN_CAD_FORMATS = ("step", "stl")
 MASK_PICTURE, MASK_MARKERS = "mask.png", "mask.lyrdb"
 
 
@@ -88,15 +90,69 @@ def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck]) -> None:
 
 
 def write_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
-    """Write film.step, film.stl."""
-    from mpfcad.cad import write_step, write_stl
+    """Write film.step, film.stl, film.3mf, film.ply."""
+    from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
 
-    if "step" in formats:
-        progress.stage("writing film.step")
-        write_step(plan.piece, folder / "film.step")
-    if "stl" in formats:
-        progress.stage("writing film.stl")
-        write_stl(plan.piece, folder / "film.stl", plan.job.cad.angle_tolerance)
+    name, table = plan.job.name, plan.job.cad
+    meshes = {"stl": write_stl, "3mf": write_3mf, "ply": write_ply}
+    for suffix in formats:
+        path = folder / f"film.{suffix}"
+        progress.stage(f"writing {path.name}")
+        if suffix == "step":
+            write_step(plan.piece, path, name=name, bodies=table.bodies)
+        else:
+            meshes[suffix](plan.piece, path, table.angle_tolerance, name=name)
+
+
+def check_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
+    """Check the CAD files in `folder`, and STEP against STL where both are there.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.cad import check_3mf, check_agreement, check_ply, check_step, check_stl
+
+    for suffix in formats:
+        path = folder / f"film.{suffix}"
+        progress.stage(f"checking {path.name}")
+        if suffix == "step":
+            step = check_step(path, plan.piece, bodies=plan.job.cad.bodies)
+        elif suffix == "stl":
+            check_stl(path, plan.piece, plan.job.cad.angle_tolerance)
+        else:
+            {"3mf": check_3mf, "ply": check_ply}[suffix](path, plan.piece)
+    if {"step", "stl"} <= set(formats):
+        progress.stage("comparing film.step with film.stl")
+        volume = sum(step.bodies.values())
+        check_agreement(folder / "film.step", folder / "film.stl", volume)
+
+
+def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
+    """Write and check film-01.stl, film-02.stl, … of one lamp pitch each; return their names.
+
+    Each has as many whole grooves as cover the pitch (the last what is left) and its own x from 0,
+    so that float32 is as fine in the last tile as in the first; the header states where it lies.
+
+    Raises
+    ------
+    ExportError
+        when a tile does not read back as what it should hold.
+    """
+    from mpfcad.cad import check_stl, write_stl
+
+    piece, tolerance = plan.piece, plan.job.cad.angle_tolerance
+    count = groove_count(plan.stack.lamp_pitch, piece.groove.pitch)
+    names = []
+    for first in range(0, piece.groove_count, count):
+        tile = piece.cut(first, count, piece.length)
+        names.append(f"film-{len(names) + 1:02}.stl")
+        progress.stage(f"writing {names[-1]}")
+        place = f"x0 = {first * piece.groove.pitch:.6g} mm"
+        write_stl(tile, folder / names[-1], tolerance, name=f"{place}, {plan.job.name}")
+        check_stl(folder / names[-1], tile, tolerance)
+    return names
 
 
 def refuse_unprintable(job: Job, where: str) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpfcad.export import sha256
-from mpfcad.job import Job
+from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.examine import BASELINE_PRESET, Findings
@@ -55,6 +55,7 @@ def build_record(
         findings.mask,
         findings.step,
         findings.mesh,
+        findings.agreement,
         findings.curvature_difference,
         findings.traced_sha256 == hashes["film.stl"],
     )
@@ -178,7 +179,7 @@ def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
             "source": "the job" if key in stated else source,
         }
         for key, value in model.model_dump(mode="json").items()
-        if value is not None
+        if value is not None and not (table == "film" and key in FilmTable.UNUSUAL)
     ]
 
 

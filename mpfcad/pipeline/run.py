@@ -7,8 +7,10 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.made import refuse_unusual, write_unusual
 from mpfcad.pipeline.make import (
-    CAD_FORMATS,
+    RUN_CAD_FORMATS,
+    check_cad,
     check_masks,
     phototool,
     plan_mask,
@@ -16,6 +18,7 @@ from mpfcad.pipeline.make import (
     write_curvature,
     write_mask_pictures,
     write_masks,
+    write_tiles,
 )
 from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
@@ -49,6 +52,7 @@ def run_job(
     ExportError
         when a file does not read back as what it should hold; `out` is then as it was.
     """
+    refuse_unusual(job.film, str(job_file))
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
@@ -57,7 +61,7 @@ def run_job(
         write_curvature(plan, folder)
         if mask is not None:
             write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
-        write_cad(plan, folder, CAD_FORMATS, progress)
+        write_cad(plan, folder, RUN_CAD_FORMATS, progress)
         return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
 
 
@@ -118,8 +122,8 @@ def make_mask(
 
 def make_cad(
     job: Job, job_file: Path, out: Path, formats: tuple[str, ...], progress: Progress = SILENT
-) -> None:
-    """Make and check only the CAD files of a job.
+) -> list[str]:
+    """Make and check only the CAD files of a job; return their names.
 
     Raises
     ------
@@ -128,20 +132,22 @@ def make_cad(
     ExportError
         when a file does not read back as what it should hold.
     """
-    from mpfcad.cad import check_step, check_stl
-
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    tiled = job.film.is_plain and job.cad.stl == "tiles" and "stl" in formats
+    whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
+    names = [f"film.{suffix}" for suffix in whole]
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
-        write_cad(plan, folder, formats, progress)
-        if "step" in formats:
-            progress.stage("checking film.step")
-            check_step(folder / "film.step", plan.piece)
-        if "stl" in formats:
-            progress.stage("checking film.stl")
-            check_stl(folder / "film.stl", plan.piece, job.cad.angle_tolerance)
+        if not job.film.is_plain:
+            write_unusual(plan, Path(job_file), folder, formats, progress)
+            write_manifest(folder, job.name, "cad")
+            return names
+        write_cad(plan, folder, whole, progress)
+        check_cad(plan, folder, whole, progress)
+        names += write_tiles(plan, folder, progress) if tiled else []
         write_manifest(folder, job.name, "cad")
+    return names
 
 
 def trace_mesh(

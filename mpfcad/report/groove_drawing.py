@@ -19,7 +19,7 @@ SURFACE = 'stroke="#0b3d66" stroke-width="1.6"'
 
 def draw_grooves(mesh: Path, film: PrismFilm, places: dict[str, int]) -> str:
     """Return the SVG of three grooves from each of `places` on (title -> groove of the film)."""
-    corner = _section(mesh)
+    corner = read_section(mesh)
     most = max(film.groove_count - GROUP, 0)
     groups = [(f"{title}, groove {at} on", min(at, most)) for title, at in places.items()]
     width = GROUP * film.groove.pitch * SCALE
@@ -34,7 +34,7 @@ def draw_grooves(mesh: Path, film: PrismFilm, places: dict[str, int]) -> str:
     return svg.picture(total, height + 66, "Cross-section of the film, to scale", parts)
 
 
-def _section(mesh: Path) -> NDArray[np.float64]:
+def read_section(mesh: Path) -> NDArray[np.float64]:
     """Return the (m, 2) corners x, z [mm] of the film's top at its near end, by x."""
     import trimesh
 

@@ -4,9 +4,11 @@ from base64 import b64encode
 from html import escape
 from typing import Any
 
+from mpfcad.report.dimension_drawing import draw_dimensions
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.figure import figure_html, film_figure, luminance_figure
 from mpfcad.report.groove_drawing import draw_grooves
+from mpfcad.report.groove_view import groove_view
 from mpfcad.report.mask_drawing import draw_mask
 from mpfcad.report.stack_drawing import draw_stack
 from mpfcad.report.table import fact_table, figure, short, table, with_interval
@@ -182,13 +184,34 @@ def cad_section(record: Record, evidence: Evidence) -> str:
         ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
         ("film.stl: facet normals, rms / largest error", f"{short(mesh['normal_error_deg_rms'], 3)}"
          f"° / {short(mesh['normal_error_deg_max'], 3)}°"),
+        ("film.stl: slopes against the profile's secants, rms",
+         f"{short(mesh['secant_error_deg_rms'], 3)}°"),
+        ("film.stl against film.step: largest distance / difference of volume",
+         f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
+         f"{short(record['step_mesh']['volume_difference'], 3)}"),
         ("mask against film.stl: largest difference of C",
          f"{short(record['mask_mesh_curvature_difference_per_mm'], 3)} /mm"),
     ]  # fmt: skip
-    return fact_table(rows) + figure(
-        draw_grooves(evidence.folder / "film.stl", piece, evidence.shown_groove),
-        "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
-        "from film.stl: prism blue, resin yellow. The base goes on below.",
+    stl = evidence.folder / "film.stl"
+    view = figure(
+        figure_html(groove_view(stl, piece), "grooves"),
+        "Grooves in the middle of the piece, between the lamps, in true proportion; turn with the "
+        "mouse. The surface is that of film.stl; the base goes on below.",
+    )
+    drawing = figure(
+        draw_dimensions(piece, 0),
+        "The first groove of the piece with its dimensions, to scale. z<sub>0</sub> is the height "
+        "of the parabola's vertex above the valley; contact is where it meets the walls.",
+    )
+    return (
+        fact_table(rows)
+        + view
+        + drawing
+        + figure(
+            draw_grooves(stl, piece, evidence.shown_groove),
+            "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
+            "from film.stl: prism blue, resin yellow. The base goes on below.",
+        )
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from mpfcad.cad import MeshCheck, StepCheck
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.mask import MaskCheck
 from mpfcad.measure import Estimate, LuminanceResult
 from mpfcad.report.verdict import Gate, worst_outcome
@@ -18,8 +18,9 @@ SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
-STEP_VOLUME_LIMIT = 1e-6
+STEP_VOLUME_LIMIT = 2e-9
 MESH_VOLUME_LIMIT = 1e-4
+AGREEMENT_VOLUME_LIMIT = 1e-4
 CURVATURE_LIMIT = 0.1
 LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
@@ -35,6 +36,8 @@ class Checks:
         check of each mask file by its name; empty without a mask
     step, mesh
         checks of film.step and film.stl
+    agreement
+        film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm]
     is_traced_file
@@ -44,6 +47,7 @@ class Checks:
     mask: Mapping[str, MaskCheck]
     step: StepCheck
     mesh: MeshCheck
+    agreement: Agreement
     curvature_difference: float
     is_traced_file: bool
 
@@ -58,7 +62,7 @@ def build_gates(
 ) -> list[Gate]:
     """Return the gates in the order of the report; angles in rad, contrasts as fractions."""
     contrast = luminance.contrast
-    step, mesh = checks.step, checks.mesh
+    step, mesh, agreement = checks.step, checks.mesh, checks.agreement
     lost = luminance.energy["lost"] / luminance.energy["in"]
     gates = [
         Gate(
@@ -81,6 +85,8 @@ def build_gates(
         Gate("mesh_watertight", float(mesh.watertight), 1.0, at_least=True),
         Gate("mesh_volume_error", mesh.volume_error, MESH_VOLUME_LIMIT),
         Gate("mesh_normal_error_deg", mesh.normal_error_max / deg, angle_tolerance / deg),
+        Gate("step_mesh_distance_um", agreement.distance_max / um, agreement.distance_limit / um),
+        Gate("step_mesh_volume_difference", agreement.volume_difference, AGREEMENT_VOLUME_LIMIT),
         Gate("mask_mesh_curvature_difference_per_mm", checks.curvature_difference, CURVATURE_LIMIT),
         Gate("traced_file_is_shipped_file", float(checks.is_traced_file), 1.0, at_least=True),
         Gate("energy_imbalance_sigma", _imbalance(luminance.energy), BALANCE_LIMIT),
@@ -114,6 +120,7 @@ def build_verification(
         "mask": describe_masks(checks.mask, curvature),
         "step": describe_step(checks.step),
         "mesh": describe_mesh(checks.mesh),
+        "step_mesh": describe_agreement(checks.agreement),
         "mask_mesh_curvature_difference_per_mm": checks.curvature_difference,
         "process": process,
         "inputs": inputs,
@@ -192,7 +199,16 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "triangle_count": int(check.triangle_count),
         "volume_error": float(check.volume_error),
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
+        "secant_error_deg_rms": float(check.secant_error_rms / deg),
         "normal_error_deg_max": float(check.normal_error_max / deg),
+    }
+
+
+def describe_agreement(agreement: Agreement) -> dict[str, Any]:
+    """Return how far film.stl is from film.step."""
+    return {
+        "distance_um_max": float(agreement.distance_max / um),
+        "volume_difference": float(agreement.volume_difference),
     }
 
 

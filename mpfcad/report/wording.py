@@ -25,6 +25,14 @@ GATES = {
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
     "mesh_volume_error": ("STL: volume", "|V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
     "mesh_normal_error_deg": ("STL: facet normals [°]", "largest angle to the true surface"),
+    "step_mesh_distance_um": (
+        "STL against STEP [µm]",
+        "largest distance of a corner of the STL from the STEP's surfaces; limit: float32 and 1 nm",
+    ),
+    "step_mesh_volume_difference": (
+        "STL against STEP: volume",
+        "|V<sub>STL</sub> / V<sub>STEP</sub> − 1|",
+    ),
     "mask_mesh_curvature_difference_per_mm": (
         "Mask against STL [1/mm]",
         "max |C from the mask's aperture ratio − C from the STL's facets|",

@@ -9,6 +9,7 @@ import pytest
 
 from mpfcad.cad import check_step, write_step
 from mpfcad.errors import ExportError, InputError
+from mpfcad.film import Groove, PrismFilm
 
 
 @pytest.mark.parametrize(
@@ -39,6 +40,37 @@ def test_blocks_pieces_and_mixed_grooves(make_film, tmp_path):
     assert check_step(path, film).solid_count == {"BEF": 1, "fill": 25}
 
 
+@pytest.mark.parametrize("curvature", [0, 15, 40, 57, 79.99, 80])
+@pytest.mark.parametrize("profile", ["filled", "ideal"])
+def test_fused_film_is_one_body_of_the_whole_volume(make_film, tmp_path, curvature, profile):
+    film = make_film([curvature, 60.0, curvature], profile)
+    path = tmp_path / "film.step"
+    write_step(film, path, bodies="fused")
+    check = check_step(path, film, bodies="fused")
+    assert check.solid_count == {"film": 1}
+    assert check.bodies["film"] == pytest.approx(film.volume, rel=1e-9)
+    with pytest.raises(ExportError):
+        check_step(path, film)
+
+
+@pytest.mark.parametrize("depth", [0.025, 0.0213])
+def test_far_from_the_origin_volumes_hold_to_1e_9(tmp_path, depth):
+    groove = Groove(0.050, depth)
+    curvature = np.full(7846, groove.curvature_empty)
+    curvature[7800:] = groove.curvature_empty * np.linspace(0.2, 0.9, 46)
+    film = PrismFilm(groove, 0.2, 2.0, "filled", curvature)
+    path = tmp_path / "film.step"
+    write_step(film, path)
+    assert check_step(path, film).volume_error < 1e-9
+
+
+def test_resin_and_prism_share_their_walls(make_film, tmp_path):
+    """Two planes a groove, besides the sides, the ends and the underside."""
+    path = tmp_path / "film.step"
+    write_step(make_film([60.0, 50.0, 70.0]), path)
+    assert path.read_text().count("=PLANE(") == 2 * 3 + 5
+
+
 def test_header_names_and_colours(make_film, tmp_path):
     film = make_film([60.0, 30.0])
     path = tmp_path / "film.step"
@@ -46,9 +78,9 @@ def test_header_names_and_colours(make_film, tmp_path):
     text = path.read_text()
     assert "SI_UNIT(.MILLI.,.METRE.)" in text
     assert "AUTOMOTIVE_DESIGN" in text
-    assert re.findall(r"= PRODUCT\('([^']*)'", text) == ["patterned-16mm", "BEF", "fill"]
-    assert text.count("= COLOUR_RGB(") == 2
-    assert text.count("= STYLED_ITEM(") == 3
+    assert re.findall(r"=PRODUCT\('([^']*)'", text) == ["BEF", "fill", "patterned-16mm"]
+    assert text.count("=COLOUR_RGB(") == 2
+    assert text.count("=STYLED_ITEM(") == 3
     assert str(tmp_path) not in text
     assert "B_SPLINE" not in text
     assert "POLYLINE" not in text
@@ -99,8 +131,8 @@ def written(make_film, tmp_path):
         (".MILLI.,.METRE.", "$,.METRE.", "length units"),
         ("PRODUCT('fill'", "PRODUCT('resin'", "products"),
         ("END-ISO-10303-21;", "", "whole"),
-        ("= MANIFOLD_SOLID_BREP(", "= FACETED_BREP(", "solids"),
-        ("8.333333333333E-03)", "8.333343333333E-03)", "curvature error"),
+        ("=MANIFOLD_SOLID_BREP(", "=FACETED_BREP(", "solids"),
+        (",0.00833333333333333)", ",0.00833334333333333)", "curvature error"),
     ],
 )
 def test_tampered_text_is_refused(written, old, new, word):

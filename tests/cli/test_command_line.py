@@ -55,7 +55,8 @@ def test_help_is_instant():
 
 
 @pytest.mark.parametrize(
-    "command", ["run", "mask", "cad", "trace", "verify", "stacks", "init", "--help"]
+    "command",
+    ["run", "mask", "cad", "mould", "trace", "verify", "calibrate", "stacks", "init", "--help"],
 )
 def test_every_subcommand_has_help(command):
     result = mpfcad(command, "--help")

@@ -1,0 +1,92 @@
+"""The text of a STEP file (ISO 10303-21): numbered entities, and the geometry that bodies share.
+
+A point, direction, line or plane that is asked for again is the same entity again.
+"""
+
+from pathlib import Path
+
+#: Decimals of a coordinate [mm]: all that a double has at x = 400 mm.
+DECIMALS = 13
+#: The header's time: fixed, so that the same film gives the same bytes.
+TIMESTAMP = "2000-01-01T00:00:00"
+
+
+def real(value: float) -> str:
+    """Return a number as STEP writes it, 15 significant digits."""
+    mantissa, mark, exponent = f"{value + 0.0:.15g}".partition("e")
+    return mantissa + ("" if "." in mantissa else ".") + ("E" + exponent if mark else "")
+
+
+def text(value: str) -> str:
+    """Return a string as STEP writes it, in ASCII."""
+    return "'" + value.encode("ascii", "replace").decode().replace("'", "''") + "'"
+
+
+class StepFile:
+    """Entities in the order they were added; each is known by its reference, such as `#17`."""
+
+    def __init__(self) -> None:
+        self._lines: list[str] = []
+        self._known: dict[tuple[object, ...], str] = {}
+
+    def add(self, entity: str) -> str:
+        """Add an entity and return its reference."""
+        reference = f"#{len(self._lines) + 1}"
+        self._lines.append(f"{reference}={entity};")
+        return reference
+
+    def share(self, *key: object) -> str:
+        """Return the entity with this type and these attributes, added at the first time only."""
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = self.add(f"{key[0]}('',{','.join(map(str, key[1:]))})")
+        return found
+
+    def point(self, x: float, y: float, z: float) -> str:
+        """Return a point [mm]."""
+        place = f"({_coordinate(x)},{_coordinate(y)},{_coordinate(z)})"
+        return self.share("CARTESIAN_POINT", place)
+
+    def direction(self, x: float, y: float, z: float) -> str:
+        """Return a direction; parallel to 1e-9 is the same, as it was first asked for.
+
+        Corners have absolute errors, so the walls of grooves far from x = 0 are parallel only to
+        1e-11. The first groove's are the exact ones.
+        """
+        key = ("DIRECTION", round(x, 9), round(y, 9), round(z, 9))
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = self.add(f"DIRECTION('',({real(x)},{real(y)},{real(z)}))")
+        return found
+
+    def vector(self, direction: str) -> str:
+        """Return the vector of length 1 mm in a direction."""
+        return self.share("VECTOR", direction, "1.")
+
+    def line(self, point: str, direction: str) -> str:
+        """Return the straight line through a point."""
+        return self.share("LINE", point, self.vector(direction))
+
+    def axes(self, origin: str, axis: str, reference: str) -> str:
+        """Return a placement: its z axis is `axis`, its x axis `reference`."""
+        return self.share("AXIS2_PLACEMENT_3D", origin, axis, reference)
+
+    def plane(self, point: str, normal: str, reference: str) -> str:
+        """Return the plane through a point; `reference` lies in it."""
+        return self.share("PLANE", self.axes(point, normal, reference))
+
+    def write(self, path: Path, name: str, schema: str) -> None:
+        """Write the whole file in the given schema; nothing in it tells machine or time."""
+        head = (
+            "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Multi-performance film; unit mm; x across,"
+            f" y along, z up'),'2;1');\nFILE_NAME({text(name)},'{TIMESTAMP}',(''),(''),'mpfcad',"
+            f"'mpfcad','');\nFILE_SCHEMA(('{schema}'));\nENDSEC;\nDATA;\n"
+        )
+        with path.open("w", encoding="ascii", newline="\n") as file:
+            file.write(head)
+            file.write("\n".join(self._lines))
+            file.write("\nENDSEC;\nEND-ISO-10303-21;\n")
+
+
+def _coordinate(value: float) -> str:
+    return f"{value + 0.0:.{DECIMALS}f}".rstrip("0")

@@ -1,0 +1,58 @@
+"""`mpfcad cad`: its formats, tiles and fused bodies."""
+
+from pathlib import Path
+
+import pytest
+
+from mpfcad.cli import run_app
+
+STACK = (
+    'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 20.0\npanel_length_mm = 5.0\n'
+    "lamp_count = 2\nlamp_pitch_mm = 8.01\n"
+)
+
+
+@pytest.fixture
+def job(tmp_path):
+    (tmp_path / "small.toml").write_text(STACK)
+
+    def write(table):
+        path = tmp_path / "job.toml"
+        path.write_text(
+            'name = "small"\n[map]\ncurvature_per_mm = 58.0\n[stack]\nfile = "small.toml"\n'
+            f"[cad]\nlength_mm = 0.5\n{table}"
+        )
+        return path
+
+    return write
+
+
+def made(folder):
+    return sorted(path.name for path in folder.iterdir() if path.name.startswith("film"))
+
+
+def test_every_format_is_written_and_checked(job, tmp_path, capsys):
+    out = tmp_path / "out"
+    formats = ["--format", "step,stl,3mf,ply"]
+    assert run_app(["cad", str(job('bodies = "fused"')), "--out", str(out), *formats]) == 0
+    assert made(out) == ["film.3mf", "film.ply", "film.step", "film.stl"]
+    printed = [Path(line).name for line in capsys.readouterr().out.splitlines()]
+    assert printed == ["film.step", "film.stl", "film.3mf", "film.ply"]
+    text = (out / "film.step").read_text()
+    assert text.count("=MANIFOLD_SOLID_BREP(") == 1
+    assert "=PRODUCT('small'," in text
+
+
+def test_tiles_of_whole_grooves_cover_the_panel(job, tmp_path):
+    out = tmp_path / "out"
+    table = 'extent = "panel"\nstl = "tiles"'
+    assert run_app(["cad", str(job(table)), "--out", str(out), "--format", "stl"]) == 0
+    assert made(out) == ["film-01.stl", "film-02.stl", "film-03.stl"]
+    headers = [(out / name).read_bytes()[:80].decode() for name in made(out)]
+    places = [header.partition("x0 = ")[2].partition(" mm")[0] for header in headers]
+    assert places == ["0", "8.05", "16.1"]
+
+
+def test_unknown_format_is_one_line(job, tmp_path, capsys):
+    assert run_app(["cad", str(job("")), "--out", str(tmp_path / "o"), "--format", "iges"]) == 2
+    assert "iges: must be of step, stl, 3mf, ply" in capsys.readouterr().err

@@ -1,0 +1,81 @@
+"""`mpfcad calibrate` from outside."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mpfcad.cli import run_app
+from mpfcad.film import Groove, read_process
+
+BEF = Groove(0.050, 0.025)
+TRUTH = {"a.csv": (0.05, 66.0), "b.csv": (0.10, 55.0), "c.csv": (0.20, 45.0)}
+
+
+@pytest.fixture
+def traces(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    x = np.arange(0.0, 0.12, 2e-4)
+    rng = np.random.default_rng(7)
+    for name, (_, curvature) in TRUTH.items():
+        local = (x + 0.004) % BEF.pitch - BEF.half_width
+        z = BEF.height(local, curvature) - 0.02 * x + rng.normal(0, 5e-5, x.size)
+        table = np.stack([x, z], axis=1) * 1000
+        np.savetxt(name, table, "%.6f", ",", header="x_um,z_um", comments="")
+    return tmp_path
+
+
+def test_figures_hold_the_truth(traces, capsys):
+    assert run_app(["calibrate", *TRUTH, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    for row, (_, curvature) in zip(document["traces"], TRUTH.values(), strict=True):
+        truth = {
+            "curvature_per_mm": curvature,
+            "fitted_curvature_per_mm": BEF.fitted_curvature(curvature),
+            "fill_fraction": BEF.fill_fraction(curvature),
+        }
+        for name, value in truth.items():
+            low, high = row[name]["ci95"]
+            assert low - 0.2 * (high - low) <= value <= high + 0.2 * (high - low), name
+        assert row["residual_rms_um"] == pytest.approx(0.05, rel=0.15)
+
+
+@pytest.mark.parametrize("way", ["option", "list"])
+def test_calibration_file(traces, capsys, way):
+    if way == "option":
+        arguments = list(TRUTH)
+        for ratio, _ in TRUTH.values():
+            arguments += ["--aperture", str(ratio)]
+    else:
+        text = "".join(f"{name},{ratio}\n" for name, (ratio, _) in TRUTH.items())
+        (traces / "list.csv").write_text("file,aperture_ratio\n" + text)
+        arguments = ["--coupons", "list.csv"]
+    assert run_app(["calibrate", *arguments, "--out", "process.toml"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.splitlines()[-1] == "process.toml"
+    assert len(printed.splitlines()) == 5
+    process = read_process(traces / "process.toml", BEF)
+    ratio, curvature = zip(*TRUTH.values(), strict=True)
+    assert process.curvature(ratio) == pytest.approx(curvature, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "either traces or --coupons"),
+        (["none.csv"], "none.csv: no such file"),
+        (["a.csv", "--out", "p.toml"], "--out"),
+        (["a.csv", "b.csv", "--aperture", "0.1"], "--aperture: 1 for 2 files"),
+        (["a.csv", "--aperture", "0"], "a.csv: aperture_ratio 0"),
+        (["a.csv", "--aperture", "0.1", "--out", "p.toml"], "two or more"),
+        (["--coupons", "a.csv"], "a.csv: row 1: header"),
+        (["a.csv", "--widths", "3"], "a.csv: x_um: 119.8 µm long: allowed 150 µm"),
+        (["a.csv", "--pitch-um", "35"], "a.csv: z_um: residual"),
+    ],
+)
+def test_bad_input_is_one_line(traces, capsys, arguments, words):
+    assert run_app(["calibrate", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert len(error.splitlines()) == 1
+    assert words in error
+    assert not (traces / "p.toml").exists()
