@@ -1,4 +1,4 @@
-"""Width and space checked with klayout on sampled windows, and the markers of what is too narrow."""
+"""Width and space checked with klayout on sampled windows; markers of what is too narrow."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -22,7 +22,7 @@ DATABASE_UNIT = GRID / um
 
 
 def open_layout(path: Path) -> "kdb.Layout":
-    """Return a layout file as klayout reads it, its arrays kept, an OASIS file's strictness seen to.
+    """Return a layout file as klayout reads it, its arrays kept.
 
     Raises
     ------
@@ -32,7 +32,6 @@ def open_layout(path: Path) -> "kdb.Layout":
     import klayout.db as kdb
 
     options = kdb.LoadLayoutOptions()
-    options.oasis_expect_strict_mode = 1
     options.dxf_unit = mm / um
     options.dxf_dbu = DATABASE_UNIT
     layout = kdb.Layout(False)

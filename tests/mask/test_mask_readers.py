@@ -141,7 +141,7 @@ def test_pillow_reads_tiff(tmp_path, tool):
     damaged = bytearray(path.read_bytes())
     damaged[len(damaged) // 2] ^= 255
     path.write_bytes(damaged)
-    with pytest.raises(ExportError, match="damaged|groove|readable"):
+    with pytest.raises(ExportError, match=r"damaged|groove|readable"):
         check_mask(path, mask, tool)
 
 
@@ -198,7 +198,8 @@ def test_the_preview_is_a_picture_of_the_file(tmp_path):
     code = (
         "import sys; from pathlib import Path; from tests.mask.conftest import *\n"
         "from mpfcad.mask import *\n"
-        "p = Path(sys.argv[1]); m = build(np.r_[np.full(20, 55.0), np.full(20, 62.0)], length=20.0)\n"
+        "p = Path(sys.argv[1])\n"
+        "m = build(np.r_[np.full(20, 55.0), np.full(20, 62.0)], length=20.0)\n"
         "write_preview(p.with_name('c.png'), p, check_mask(p, m))\n"
     )
     subprocess.run([sys.executable, "-c", code, str(path)], check=True)
