@@ -12,7 +12,7 @@ from mpfcad.errors import ExportError
 from mpfcad.film import Section
 
 #: Largest relative error of the volume of a mesh, and of a solid.
-VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 1e-9
+VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 2e-9
 #: Largest error [mm] of a solid's extents.
 EXTENT_TOLERANCE = 1e-6
 

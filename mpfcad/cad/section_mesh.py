@@ -115,7 +115,7 @@ def _sharpest(section: Section) -> NDArray[np.float64]:
 
 
 def _chords_for_volume(section: Section) -> NDArray[np.float64]:
-    """Return how many chords each piece needs, (m,), to change the volume by `VOLUME_SHARE` at most.
+    """Return how many chords each piece needs, (m,), to add `VOLUME_SHARE` of volume at most.
 
     k chords over a width w that bends by at most κ are off by κ w³/(12 k²) in area.
     """
