@@ -21,7 +21,9 @@ FILES = [
     "film.stl",
     "manifest.json",
     "mask.gds",
+    "mask.lyrdb",
     "mask.oas",
+    "mask.png",
     "report.html",
     "verification.json",
 ]
@@ -102,7 +104,7 @@ def test_verification_document_holds_what_its_schema_says(export):
     assert {entry["tag"] for entry in record["inputs"]} == {"given", "sourced", "assumed"}
     assert record["provenance"]["traced"]["sha256"] == record["provenance"]["sha256"]["film.stl"]
     assert record["provenance"]["command"] == "mpfcad run patterned-16mm.toml --effort quick"
-    assert [gate["outcome"] for gate in record["gates"][1:]] == ["PASS"] * 12
+    assert [gate["outcome"] for gate in record["gates"][1:]] == ["PASS"] * 13
 
 
 def test_verification_document_is_documented(export):
@@ -134,7 +136,8 @@ class Page(HTMLParser):
     def handle_starttag(self, tag, attributes):
         for name, value in attributes:
             if name in ("src", "href"):
-                self.references.append(value)
+                # An embedded picture refers to nothing outside the page.
+                self.references += [value] * (not value.startswith("data:image/png;base64,"))
             if name == "id":
                 self.ids.append(value)
         if tag not in self.VOID:
@@ -224,9 +227,12 @@ def test_single_steps_write_only_what_was_asked(tmp_path, command, kind, monkeyp
     job = MASKS / "uniform-c60.toml"
     assert run_app([command, str(job), "--format", kind]) == 0
     folder = tmp_path / "exports" / f"uniform-c60-{command}"
-    made = {"mask": "mask.oas", "cad": "film.stl"}[command]
+    made = {
+        "mask": ["mask.lyrdb", "mask.oas", "mask.png", "screen.json"],
+        "cad": ["film.stl"],
+    }[command]
     assert sorted(path.name for path in folder.iterdir()) == sorted(
-        ["curvature.csv", "manifest.json", made]
+        ["curvature.csv", "manifest.json", *made]
     )
     # An export with a verdict is never replaced by a part of it, nor the other way round.
     assert run_app(["run", str(job), "--out", str(folder)]) == 2
