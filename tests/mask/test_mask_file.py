@@ -10,11 +10,11 @@ import klayout.db as kdb
 import numpy as np
 import pytest
 from shapely import box, union_all
+from small_mask import CURVATURE, DOT, PROCESS, SLOT, build, written
 
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureMap
 from mpfcad.mask import MaskRules, Phototool, check_mask, write_mask
-from tests.mask.conftest import CURVATURE, DOT, PROCESS, SLOT, build, written
 
 CLOSED = Phototool(polarity="closed", mirror=True, emulsion_side="squeegee")
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 import ezdxf
@@ -12,12 +13,12 @@ import pytest
 from PIL import Image
 from pygerber.gerberx3.parser2.parser2 import Parser2
 from pygerber.gerberx3.tokenizer.tokenizer import Tokenizer
+from small_mask import DOT, SLOT, build, flat_boxes, written
 
 from mpfcad.errors import ExportError
 from mpfcad.mask import MaskRules, Phototool, check_mask, write_markers, write_preview
 from mpfcad.mask.drc import check_windows, sample_windows
 from mpfcad.mask.found import FoundMask, region_of
-from tests.mask.conftest import DOT, SLOT, build, flat_boxes, written
 
 SHORT = [55.0, 57.5, 60.0, 80.0, 61.0]
 
@@ -196,11 +197,12 @@ def test_the_preview_is_a_picture_of_the_file(tmp_path):
     panel = pixels[70:740, 26:85]  # wide open on the left is dark
     assert panel[:, :25].mean() < panel[:, -25:].mean() - 50
     code = (
-        "import sys; from pathlib import Path; from tests.mask.conftest import *\n"
+        "import sys; from pathlib import Path; sys.path.insert(0, sys.argv[2])\n"
+        "from small_mask import *\n"
         "from mpfcad.mask import *\n"
         "p = Path(sys.argv[1])\n"
         "m = build(np.r_[np.full(20, 55.0), np.full(20, 62.0)], length=20.0)\n"
         "write_preview(p.with_name('c.png'), p, check_mask(p, m))\n"
     )
-    subprocess.run([sys.executable, "-c", code, str(path)], check=True)
+    subprocess.run([sys.executable, "-c", code, str(path), str(Path(__file__).parent)], check=True)
     assert (tmp_path / "c.png").read_bytes() == (tmp_path / "a.png").read_bytes()

@@ -6,10 +6,10 @@ import gdstk
 import klayout.db as kdb
 import numpy as np
 import pytest
+from small_mask import CURVATURE, build, written
 
 from mpfcad.errors import ExportError
 from mpfcad.mask import check_mask
-from tests.mask.conftest import CURVATURE, build, written
 
 
 def edit(path, change):
