@@ -1,5 +1,6 @@
 """A drawing as DXF R12 with ezdxf: closed polylines in blocks, arrays as INSERTs; in mm."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,8 @@ def write_dxf(drawing: Drawing, path: Path) -> None:
     """Write `drawing` to `path`."""
     import ezdxf
 
+    # ezdxf warns that R12 has no variable for the unit; the drawing states it as text.
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)
     with _without_date():
         document = ezdxf.new("R12", units=0)
         for layer in LAYERS:
