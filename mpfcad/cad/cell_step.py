@@ -113,12 +113,7 @@ def write_cell_step(film: CellFilm, path: Path, *, name: str = "film") -> None:
     body = file.add(f"MANIFOLD_SOLID_BREP('film',{shell})")
     parts = {"film": solid.products.part("film", [body], FILM_COLOUR)}
     solid.products.assembly(name, parts)
-    part = path.with_name("." + path.name + ".part")
-    try:
-        file.write(part, name, SCHEMA)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    file.write(path, name, SCHEMA)
 
 
 def _draw_pyramid(solid: _Solid, film: CellFilm, i: int, j: int) -> None:

@@ -58,12 +58,7 @@ def write_section_step(
     products = Products(file)
     solid = _draw(file, section, body)
     products.assembly(name, {body: products.part(body, [solid], colour)})
-    part = path.with_name("." + path.name + ".part")
-    try:
-        file.write(part, name, SCHEMA)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    file.write(path, name, SCHEMA)
 
 
 def _draw(file: StepFile, section: Section, body: str) -> str:

@@ -32,9 +32,4 @@ def write_step(
     drawn = draw_bodies(file, film, bodies)
     parts = {body: products.part(body, solids, COLOURS[body]) for body, solids in drawn.items()}
     products.assembly(name, parts)
-    part = path.with_name("." + path.name + ".part")
-    try:
-        file.write(part, name, SCHEMA)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    file.write(path, name, SCHEMA)

@@ -76,16 +76,24 @@ class StepFile:
         return self.share("PLANE", self.axes(point, normal, reference))
 
     def write(self, path: Path, name: str, schema: str) -> None:
-        """Write the whole file in the given schema; nothing in it tells machine or time."""
+        """Write the whole file in the given schema; nothing in it tells machine or time.
+
+        It is written beside `path` and renamed, so that `path` never holds a part of it.
+        """
         head = (
             "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Multi-performance film; unit mm; x across,"
             f" y along, z up'),'2;1');\nFILE_NAME({text(name)},'{TIMESTAMP}',(''),(''),'mpfcad',"
             f"'mpfcad','');\nFILE_SCHEMA(('{schema}'));\nENDSEC;\nDATA;\n"
         )
-        with path.open("w", encoding="ascii", newline="\n") as file:
-            file.write(head)
-            file.write("\n".join(self._lines))
-            file.write("\nENDSEC;\nEND-ISO-10303-21;\n")
+        part = path.with_name("." + path.name + ".part")
+        try:
+            with part.open("w", encoding="ascii", newline="\n") as file:
+                file.write(head)
+                file.write("\n".join(self._lines))
+                file.write("\nENDSEC;\nEND-ISO-10303-21;\n")
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def _coordinate(value: float) -> str:
