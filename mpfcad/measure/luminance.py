@@ -37,7 +37,7 @@ class LuminanceResult:
     paths
         backward paths traced
     accelerator
-        how the mesh was traced: `chain` or `bvh`
+        how the meshes were traced: `chain`, `bvh`, or each way that was taken
     """
 
     position_pitch: NDArray[np.float64]
@@ -80,7 +80,6 @@ def luminance_over_pitch(
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.recorder import FLOWS, Tally
     from mpfcad.optics.scene import build_scene
-    from mpfcad.optics.tile import ACCELERATORS
 
     elements = stack.elements(read_film_mesh(mesh_path), offset)
     scene = build_scene(elements)
@@ -113,7 +112,7 @@ def luminance_over_pitch(
         Estimate.normal(float(fit.coefficient[0]), float(np.sqrt(fit.covariance[0, 0]))),
         _energy(scene, elements, seed, threads),
         tally.total_paths,
-        ACCELERATORS[scene.tile.accelerator],
+        scene.accelerators,
     )
 
 

@@ -24,7 +24,7 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.film import placed_film_passage
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path, uniform
@@ -72,7 +72,7 @@ class Source(NamedTuple):
 def _start(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
     x = source.position[point] + (uniform(rng) - 0.5) * source.spot
-    y = uniform(rng) * scene.tile.length
+    y = uniform(rng) * scene.length
     last = len(scene.kind) - 1
     px, py = disk(rng)
     if source.kind == EYE:
@@ -168,8 +168,8 @@ def trace_path(scene, source, point, flow, rng):
             weight *= parameter[2]
             way = 1 if passed == up else -1
         else:
-            way, x, y, dx, dy, dz = film_passage(
-                scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+            way, x, y, dx, dy, dz = placed_film_passage(
+                scene.tiles, parameter, up, x, y, dx, dy, dz, rng
             )
         flow[_ELEMENTS + e] += before - weight
         if way == 0:

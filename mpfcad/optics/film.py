@@ -6,8 +6,38 @@ from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import uniform
 from mpfcad.optics.tile import next_facet
+from mpfcad.optics.tile_table import tile_of
 
 _MOST_HITS = 100_000
+
+
+@kernel
+def placed_film_passage(tiles, parameter, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz).
+
+    `parameter` is that of the film's element. The ray is turned into the film's own axes and back:
+    by the film's angle about z, and, where it lies upside down, about the middle of its tile.
+    """
+    tile = tile_of(tiles, int(parameter[6]))
+    index, index_below, offset = parameter[0], parameter[1], parameter[2]
+    cosine, sine = parameter[3], parameter[4]
+    askew = cosine != 1.0
+    flipped = parameter[5] != 0.0
+    middle = 2.0 * offset + tile.width
+    if askew:
+        x, y = cosine * x + sine * y, cosine * y - sine * x
+        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
+    if flipped:
+        x, dx, dz, up = middle - x, -dx, -dz, not up
+    way, x, y, dx, dy, dz = film_passage(
+        tile, index, index_below, offset, up, x, y, dx, dy, dz, rng
+    )
+    if flipped:
+        x, dx, dz, way = middle - x, -dx, -dz, -way
+    if askew:
+        x, y = cosine * x - sine * y, cosine * y + sine * x
+        dx, dy = cosine * dx - sine * dy, cosine * dy + sine * dx
+    return way, x, y, dx, dy, dz
 
 
 @kernel
