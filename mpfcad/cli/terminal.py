@@ -140,3 +140,33 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     for name in ("lamp_mura_contrast", "mean_luminance_cd_m2"):
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
+
+
+def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
+    """Print the figures of a measurement with their standard errors, or the whole record."""
+    if as_json:
+        print(json.dumps(record, indent=1, ensure_ascii=False))
+        return
+    for name, estimate in _estimates(record):
+        value = "–" if estimate is None else f"{estimate['value']:.6g}"
+        error = "" if estimate is None else f"± {estimate['standard_error']:.2g}"
+        print(f"{name:<58}{value:>12} {error}")
+    print(folder / "measure.html")
+
+
+def _estimates(record: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Return every (name, estimate) of a record; a width that is not there is None."""
+    found = []
+    for key, value in record.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, dict) and "ci95" in value:
+            found.append((name, value))
+        elif value is None and key.endswith("_deg"):
+            found.append((name, None))
+        elif isinstance(value, dict):
+            found += _estimates(value, f"{name}.")
+        elif (
+            isinstance(value, list) and value and isinstance(value[0], dict) and "ci95" in value[0]
+        ):
+            found += [(f"{name}.{i}", entry) for i, entry in enumerate(value, 1)]
+    return found
