@@ -151,9 +151,7 @@ def trace_meter(scene, film, acceptance, number, seed, samples, rng, flow, found
         kx, ky = acceptance * px, acceptance * py
         kz = math.sqrt(1.0 - kx * kx - ky * ky)
         e = len(scene.kind) - 1
-        side, _, kx, ky, weight, _ = _to_film(
-            scene, film, e, False, 0.0, kx, ky, -kz, flow, rng
-        )
+        side, _, kx, ky, weight, _ = _to_film(scene, film, e, False, 0.0, kx, ky, -kz, flow, rng)
         if side == ABOVE:
             found[_direction_cell(number, kx, ky)] += weight
 

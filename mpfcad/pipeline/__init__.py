@@ -5,6 +5,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 `trace_mesh` are the single steps.
 """
 
+from mpfcad.pipeline.design import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
@@ -25,6 +26,7 @@ __all__ = [
     "Progress",
     "Silent",
     "TraceSetting",
+    "default_design_out",
     "default_out",
     "make_cad",
     "make_mask",
@@ -32,6 +34,7 @@ __all__ = [
     "read_mask_plan",
     "read_plan",
     "restore_plan",
+    "run_design",
     "run_job",
     "trace_mesh",
     "verify_export",

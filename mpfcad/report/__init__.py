@@ -4,6 +4,7 @@
 values; `write_report` makes the page that a person can decide from.
 """
 
+from mpfcad.report.design_page import write_design_page
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.page import write_report
 from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
@@ -29,5 +30,6 @@ __all__ = [
     "exit_code",
     "find_difference",
     "worst_outcome",
+    "write_design_page",
     "write_report",
 ]

@@ -80,7 +80,7 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
     for sign in (-1, 1):
         figure.add_hline(sign * limit, line=_line("#777", 1, "dot"), row=1, col=2)
     figure.update_xaxes(title_text="position [lamp pitch]; lamps at 0 and 1", range=[0, 1])
-    return _styled(figure, 380)
+    return styled(figure, 380)
 
 
 def film_figure(
@@ -125,7 +125,7 @@ def film_figure(
     figure.update_xaxes(title_text="from the lamp's axis [mm]")
     for column in range(2, rows + 1):
         figure.update_yaxes(rangemode="tozero", row=1, col=column)
-    return _styled(figure, 330)
+    return styled(figure, 330)
 
 
 def _fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:
@@ -186,7 +186,7 @@ def _rounded(values: ArrayLike, digits: int) -> list[float]:
     return np.round(np.asarray(values, float), digits).tolist()
 
 
-def _styled(figure: "go.Figure", height: int) -> "go.Figure":
+def styled(figure: "go.Figure", height: int) -> "go.Figure":
     """Return the figure in the dress of the page."""
     figure.update_layout(
         template="none",
