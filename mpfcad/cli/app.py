@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import cad, calibrate, design, init, mask, mould, run, stacks, trace, verify
+from mpfcad.cli import cad, calibrate, design, init, mask, mould, run, stacks, sweep, trace, verify
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -48,5 +48,5 @@ def _global_options(
         print(context.get_help())
 
 
-for command in (run, mask, cad, mould, trace, verify, design, calibrate, stacks, init):
+for command in (run, mask, cad, mould, trace, verify, design, sweep, calibrate, stacks, init):
     app.command(command.__name__.rpartition(".")[2])(command.command)

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from mpfcad.design.grid import Grid
 
-
 #: Harmonics of the lamp pitch in a luminance of the model; what is beyond is noise of the traces.
 HARMONICS = 6
 
@@ -86,7 +85,7 @@ class Response:
         return (weight @ flat).reshape(len(curvature), *self.operators.film.shape[1:])
 
     def _after(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return r + T v by cell, (cells, 2d): what leaving the film upward or downward collects."""
+        """Return r + T v, what leaving the film up or down collects, by cell, (cells, 2d)."""
         return self._by_cell(self.operators.radiance + self.operators.world @ v)
 
     def _by_cell(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -135,8 +134,8 @@ class Response:
         """Return the luminance (cells,) and its derivative by the curvature of each cell.
 
         The derivative is (cells of luminance, cells of curvature) float64 [cd/m² per 1/mm];
-        `symmetric` maps save half of the work. From the adjoint: with p_i the solution of p = T'(F' p + F' g_i), row i is
-        Σ (p + g_i) dF/dC (r + T v) over each cell.
+        `symmetric` maps save half of the work. From the adjoint: with p_i the solution of
+        p = T'(F' p + F' g_i), row i is Σ (p + g_i) dF/dC (r + T v) over each cell.
         """
         film, slope = self._films(curvature), self._films(curvature, 1)
         after = self._after(self._solve(film))

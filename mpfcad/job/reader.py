@@ -75,7 +75,8 @@ def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
     if first["type"] == "missing":
         line = f"{field}: missing: required"
     elif first["type"] == "extra_forbidden":
-        line = f"{field}: {_shown(first['input'])}: unknown key; {_known_keys(root, first['loc'][:-1])}"
+        known = _known_keys(root, first["loc"][:-1])
+        line = f"{field}: {_shown(first['input'])}: unknown key; {known}"
     else:
         line = f"{field}: {_shown(first['input'])}: {_allowed(first)}"
     more = len(errors) - 1

@@ -13,6 +13,7 @@ from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.sweep import default_sweep_out, run_sweep
 from mpfcad.pipeline.verify import verify_export
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "TraceSetting",
     "default_design_out",
     "default_out",
+    "default_sweep_out",
     "make_cad",
     "make_mask",
     "make_mould",
@@ -36,6 +38,7 @@ __all__ = [
     "restore_plan",
     "run_design",
     "run_job",
+    "run_sweep",
     "trace_mesh",
     "verify_export",
 ]

@@ -7,6 +7,7 @@ values; `write_report` makes the page that a person can decide from.
 from mpfcad.report.design_page import write_design_page
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.page import write_report
+from mpfcad.report.sweep_page import write_sweep_page
 from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.report.verification import (
     CONTRAST_FORMULA,
@@ -32,4 +33,5 @@ __all__ = [
     "worst_outcome",
     "write_design_page",
     "write_report",
+    "write_sweep_page",
 ]

@@ -90,9 +90,9 @@ def _iterations(record: dict[str, Any]) -> str:
     return (
         figure(
             figure_html(curves_figure(record), "curves"),
-            "Left: the maps over one lamp pitch; right: the luminance of each over its own mean, as "
-            "traced (Fourier series). The chosen one is blue; single curves can be switched in the "
-            "legend.",
+            "Left: the maps over one lamp pitch; right: the luminance of each over its own mean, "
+            "as traced (Fourier series). The chosen one is blue; single curves can be switched in "
+            "the legend.",
         )
         + figure(
             figure_html(progress_figure(record), "progress"),
