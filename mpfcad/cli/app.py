@@ -5,7 +5,20 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import cad, calibrate, init, mask, measure, mould, run, stacks, trace, verify
+from mpfcad.cli import (
+    cad,
+    calibrate,
+    design,
+    init,
+    mask,
+    measure,
+    mould,
+    run,
+    stacks,
+    sweep,
+    trace,
+    verify,
+)
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -48,5 +61,9 @@ def _global_options(
         print(context.get_help())
 
 
-for command in (run, mask, cad, mould, trace, measure, verify, calibrate, stacks, init):
+_COMMANDS = (
+    run, mask, cad, mould, trace, measure, verify, design, sweep, calibrate, stacks, init,
+)  # fmt: skip
+
+for command in _COMMANDS:
     app.command(command.__name__.rpartition(".")[2])(command.command)
