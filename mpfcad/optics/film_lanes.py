@@ -21,6 +21,7 @@ from mpfcad.optics.lanes import (
     magnitude,
     real,
     select,
+    spread,
     store,
 )
 from mpfcad.optics.sampling import (
@@ -61,7 +62,7 @@ def film_passages(
         return
     chain, width, low, high = tile.chain, tile.width, tile.low, tile.high
     key0, key1 = rng[rays[0], KEY0], rng[rays[0], KEY1]
-    stream = rng[rays[0], STREAM]
+    stream = spread(rng[rays[0], STREAM])
     following = 0
     for lane in range(LANES):
         following = _take(

@@ -102,6 +102,7 @@ for _op, _sign in {
 }.items():  # fmt: skip
     _register(_op, F8, M8, lambda b, x, y, sign=_sign: b.fcmp_ordered(sign, x, y))
     _register(_op, I8, M8, lambda b, x, y, sign=_sign: b.icmp_signed(sign, x, y))
+_register(operator.ne, I8, M8, lambda b, x, y: b.icmp_signed("!=", x, y))
 _register_unary(operator.neg, F8, lambda b, x: b.fneg(x))
 _register_unary(operator.invert, M8, lambda b, x: b.not_(x))
 
@@ -153,6 +154,17 @@ def select(typingctx, mask, a, b):
         return builder.select(m, x, y)
 
     return kind(mask, a, b), lower
+
+
+@intrinsic
+def spread(typingctx, x):
+    """Return a number in all lanes."""
+    kind = F8 if isinstance(x, types.Float) else I8
+
+    def lower(context, builder, sig, args):
+        return _as_lanes(context, builder, args[0], x, kind)
+
+    return kind(x), lower
 
 
 @intrinsic

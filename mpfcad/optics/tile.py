@@ -13,7 +13,7 @@ from mpfcad.optics.chain import Chain, build_chain, chain_hit, chain_of
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 
-_CHAIN, _BVH = range(2)
+CHAIN, BVH = range(2)
 ACCELERATORS = ("chain", "bvh")
 
 
@@ -38,7 +38,7 @@ _NO_BVH = Bvh(
     np.zeros((1, 3)),
 )
 #: What a scene without film holds.
-NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, _CHAIN, _NO_CHAIN, _NO_BVH)
+NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, CHAIN, _NO_CHAIN, _NO_BVH)
 
 
 def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
@@ -55,7 +55,7 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
         raise TraceError("accelerator chain: the mesh is not extruded along y")
     bvh = build_bvh(mesh) if chain is None else _NO_BVH
     width, length, _ = mesh.size
-    number = _BVH if chain is None else _CHAIN
+    number = BVH if chain is None else CHAIN
     return Tile(width, length, float(z.min()), float(z.max()), number, chain or _NO_CHAIN, bvh)
 
 
@@ -67,7 +67,7 @@ def next_facet(tile, x, y, z, dx, dy, dz, k, inside):
     or (inside) in the film. Facet -1: it leaves the zone of the top without meeting one; -2: it was
     lost (a hole). n: outward unit normal; shifts [mm] lead back to the coordinates before.
     """
-    if tile.accelerator == _CHAIN:
+    if tile.accelerator == CHAIN:
         # A chain repeats along y without end, so y needs no tile of its own.
         k, distance, hit_x, hit_z, shift, nx, nz = chain_hit(
             tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside, True
