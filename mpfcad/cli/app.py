@@ -5,7 +5,19 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import cad, calibrate, init, mask, measure, mould, run, stacks, trace, verify
+from mpfcad.cli import (
+    cad,
+    calibrate,
+    compare,
+    init,
+    mask,
+    measure,
+    mould,
+    run,
+    stacks,
+    trace,
+    verify,
+)
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -48,5 +60,5 @@ def _global_options(
         print(context.get_help())
 
 
-for command in (run, mask, cad, mould, trace, measure, verify, calibrate, stacks, init):
+for command in (run, mask, cad, mould, trace, measure, compare, verify, calibrate, stacks, init):
     app.command(command.__name__.rpartition(".")[2])(command.command)

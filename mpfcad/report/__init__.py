@@ -4,6 +4,7 @@
 values; `write_report` makes the page that a person can decide from.
 """
 
+from mpfcad.report.compare_page import write_compare_page
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.measure_page import write_measure_page
 from mpfcad.report.measurement import (
@@ -12,6 +13,7 @@ from mpfcad.report.measurement import (
     describe_camera,
     describe_conoscope,
     describe_contrast,
+    describe_estimate,
     describe_flux,
     describe_uniformity,
     ratio,
@@ -43,6 +45,7 @@ __all__ = [
     "describe_camera",
     "describe_conoscope",
     "describe_contrast",
+    "describe_estimate",
     "describe_flux",
     "describe_luminance",
     "describe_uniformity",
@@ -50,6 +53,7 @@ __all__ = [
     "find_difference",
     "ratio",
     "worst_outcome",
+    "write_compare_page",
     "write_measure_page",
     "write_pictures",
     "write_report",
