@@ -79,7 +79,7 @@ class Lit:
     @property
     def accelerator(self) -> str:
         """How the mesh is traced."""
-        from mpfcad.optics.scene import ACCELERATORS
+        from mpfcad.optics.tile import ACCELERATORS
 
         return ACCELERATORS[self.scene.tile.accelerator]
 

@@ -184,6 +184,40 @@ def _roulette(weight, flow, rng):
 
 
 @kernel
+def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+    """Follow a ray through element e: (way, x, y, dx, dy, dz, weight, radiance found).
+
+    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; z and lamp count for a path
+    that starts in the cavity.
+    """
+    kind = scene.kind[e]
+    parameter = scene.parameter[e]
+    way = 1
+    before = weight
+    found = 0.0
+    if kind == _CAVITY:
+        if lamp == NO_LAMP:
+            z = parameter[0]
+        x, y, dx, dy, dz, weight, found = _cavity(
+            parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+        )
+        before = weight
+    elif kind == _SLAB:
+        way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
+        weight *= survival
+    elif kind == _SHEET:
+        passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
+        weight *= parameter[2]
+        way = 1 if passed == up else -1
+    else:
+        way, x, y, dx, dy, dz = film_passage(
+            scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+        )
+    flow[_ELEMENTS + e] += before - weight
+    return way, x, y, dx, dy, dz, weight, found
+
+
+@kernel
 def trace_path(scene, source, point, flow, rng):
     """Follow one path and return the radiance it collects; `flow` gets where its weight went."""
     e, up, x, y, z, dx, dy, dz, lamp = _start(scene, source, point, rng)
@@ -197,31 +231,11 @@ def trace_path(scene, source, point, flow, rng):
         if e == count:
             flow[_UP] += weight
             return radiance + weight * scene.above
-        kind = scene.kind[e]
-        parameter = scene.parameter[e]
-        way = 1
-        before = weight
-        if kind == _CAVITY:
-            if lamp == NO_LAMP:
-                z = parameter[0]
-            x, y, dx, dy, dz, weight, found = _cavity(
-                parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
-            )
-            lamp = NO_LAMP
-            radiance += found
-            before = weight
-        elif kind == _SLAB:
-            way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
-            weight *= survival
-        elif kind == _SHEET:
-            passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
-            weight *= parameter[2]
-            way = 1 if passed == up else -1
-        else:
-            way, x, y, dx, dy, dz = film_passage(
-                scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
-            )
-        flow[_ELEMENTS + e] += before - weight
+        way, x, y, dx, dy, dz, weight, found = pass_element(
+            scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+        )
+        lamp = NO_LAMP
+        radiance += found
         if way == 0:
             flow[_LOST] += weight
             return radiance
