@@ -8,6 +8,7 @@ import typer
 from mpfcad.cli import (
     cad,
     calibrate,
+    compare,
     design,
     init,
     mask,
@@ -62,7 +63,7 @@ def _global_options(
 
 
 _COMMANDS = (
-    run, mask, cad, mould, trace, measure, verify, design, sweep, calibrate, stacks, init,
+    run, mask, cad, mould, trace, measure, compare, verify, design, sweep, calibrate, stacks, init,
 )  # fmt: skip
 
 for command in _COMMANDS:

@@ -154,6 +154,23 @@ def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) ->
     print(folder / "measure.html")
 
 
+def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
+    """Print the summary of a comparison, a line a case, or the whole record."""
+    if as_json:
+        print(json.dumps(record, indent=1, ensure_ascii=False))
+        return
+    print("case: contrast [95 %], normal luminance and efficiency over conventional, sheets")
+    for case in record["cases"]:
+        contrast = case["contrast"]["lamp_mura_contrast"]
+        low, high = contrast["ci95"]
+        print(
+            f"{case['label']}: {contrast['value']:.4f} [{low:.4f}, {high:.4f}], "
+            f"{case['relative_luminance']['value']:.3f}, "
+            f"{case['relative_efficiency']['value']:.3f}, {case['sheet_count']}"
+        )
+    print(folder / "compare.html")
+
+
 def _estimates(record: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Return every (name, estimate) of a record; a width that is not there is None."""
     found = []

@@ -125,12 +125,36 @@ def contrast_of_harmonics(
     fine = _POINTS_A_HARMONIC * fit.harmonics
     position = np.arange(fine) / fine if points is None else np.linspace(0, 1, points)
     basis = _basis(position, fit.harmonics)
-    mean = fit.coefficient[0]
-    read = float(_contrast(basis @ fit.coefficient))
-    shape = basis @ _denoised(fit)
     rng = np.random.Generator(np.random.Philox(seed))
     root = np.linalg.cholesky(fit.covariance)
     noise = rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T @ basis.T
+    read = float(_contrast(basis @ fit.coefficient))
+    return _unbiased(read, fit.coefficient[0], basis @ _denoised(fit), noise)
+
+
+def contrast_of_points(
+    luminance: NDArray[np.float64], error: NDArray[np.float64], seed: int = 0
+) -> Estimate:
+    """Return the contrast of single noisy points, median-unbiased, with its 95 % interval.
+
+    luminance, error: (n,) float64 [cd/m²], value and standard error.
+    """
+    mean = float(luminance.mean())
+    shape = luminance - mean
+    if shape.max() == shape.min():
+        return Estimate(0.0, 0.0, 0.0, 0.0)
+    rng = np.random.Generator(np.random.Philox(seed))
+    noise = rng.standard_normal((_DRAWS, len(luminance))) * error
+    return _unbiased(float(_contrast(luminance)), mean, shape, noise)
+
+
+def _unbiased(
+    read: float, mean: float, shape: NDArray[np.float64], noise: NDArray[np.float64]
+) -> Estimate:
+    """Return the true contrasts of mean + factor · shape of which, with noise, `read` is read.
+
+    shape: (n,) [cd/m²]; noise: (draws, n) [cd/m²].
+    """
 
     def readings(contrast: float) -> NDArray[np.float64]:
         """Return what the draws read about the shape with a true contrast, (draws,)."""

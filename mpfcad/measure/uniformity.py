@@ -11,8 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate
-from mpfcad.measure.draw import estimate_by_draws
+from mpfcad.measure.contrast import Estimate, contrast_of_points
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 
 _FIGURE = "luminance ± {:.4f} of the mean"
@@ -70,23 +69,22 @@ def screen_uniformity(lit: Lit, run: TraceRun, error_goal: float) -> UniformityR
     )
     value, error = tally.radiance, tally.radiance_error
     found = {
-        count: _at_most_one(
-            estimate_by_draws(uniformity, value[list(at)], error[list(at)], run.seed)
-        )
+        count: uniformity(value[list(at)], error[list(at)], run.seed)
         for count, at in METERS.items()
     }
     return UniformityResult(SCREEN_POINTS, value, error, found, tally.total_paths)
 
 
-def uniformity(luminance: NDArray[np.float64]) -> float:
-    """Return δ = Lmin/Lmax."""
-    return float(luminance.min() / luminance.max())
+def uniformity(
+    luminance: NDArray[np.float64], error: NDArray[np.float64], seed: int = 0
+) -> Estimate:
+    """Return δ = Lmin/Lmax of points [cd/m²] with standard errors, without the noise's bias.
 
-
-def _at_most_one(estimate: Estimate) -> Estimate:
-    """Return an estimate of a figure that cannot exceed 1."""
-    value, low, high = (min(1.0, v) for v in (estimate.value, estimate.low, estimate.high))
-    return Estimate(value, low, high, estimate.standard_error)
+    δ = (1 - K)/(1 + K) with K the points' contrast, which `contrast_of_points` estimates.
+    """
+    contrast = contrast_of_points(luminance, error, seed)
+    value, low, high = ((1 - k) / (1 + k) for k in (contrast.value, contrast.high, contrast.low))
+    return Estimate(value, low, high, (high - low) / (2 * 1.959963984540054))
 
 
 def middle(lit: Lit) -> float:

@@ -6,6 +6,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 """
 
 from mpfcad.pipeline.case import WHAT, Case, Measuring, read_case
+from mpfcad.pipeline.compare import compare_cases
 from mpfcad.pipeline.design import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
@@ -32,6 +33,7 @@ __all__ = [
     "Progress",
     "Silent",
     "TraceSetting",
+    "compare_cases",
     "default_design_out",
     "default_measure_out",
     "default_out",

@@ -4,6 +4,7 @@
 values; `write_report` makes the page that a person can decide from.
 """
 
+from mpfcad.report.compare_page import write_compare_page
 from mpfcad.report.design_page import write_design_page
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.measure_page import write_measure_page
@@ -13,6 +14,7 @@ from mpfcad.report.measurement import (
     describe_camera,
     describe_conoscope,
     describe_contrast,
+    describe_estimate,
     describe_flux,
     describe_uniformity,
     ratio,
@@ -45,6 +47,7 @@ __all__ = [
     "describe_camera",
     "describe_conoscope",
     "describe_contrast",
+    "describe_estimate",
     "describe_flux",
     "describe_luminance",
     "describe_uniformity",
@@ -52,6 +55,7 @@ __all__ = [
     "find_difference",
     "ratio",
     "worst_outcome",
+    "write_compare_page",
     "write_design_page",
     "write_measure_page",
     "write_pictures",

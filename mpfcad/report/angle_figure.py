@@ -24,23 +24,27 @@ _GRID = 161
 
 def angular_figure(angular: dict[str, Any], axes: dict[str, str]) -> "go.Figure":
     """Return luminance over the viewing angle, across and along the lamps, with its 95 % band."""
+    colours = {"across": FILM_COLOUR, "along": THIRD_COLOUR}
+    return angular_overlay(
+        [
+            (f"{axes[plane]}: {plane} the lamps", angular[plane], colour)
+            for plane, colour in colours.items()
+        ]
+    )
+
+
+def angular_overlay(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":
+    """Return the angular curves of several (name, curve, colour) over each other."""
     import plotly.graph_objects as go
 
     figure = go.Figure()
-    for plane, colour in (("across", FILM_COLOUR), ("along", THIRD_COLOUR)):
-        curve = angular[plane]
+    for name, curve, colour in curves:
+        error = Z95 * np.array(curve["standard_error_cd_m2"])
         figure.add_scatter(
-            x=curve["angle_deg"],
-            y=rounded(curve["luminance_cd_m2"], 2),
-            error_y={
-                "array": rounded(Z95 * np.array(curve["standard_error_cd_m2"]), 2),
-                "thickness": 1,
-            },
-            name=f"{axes[plane]}: {plane} the lamps",
-            mode="lines+markers",
-            marker={"size": 4},
-            line=line(colour, 2),
-        )
+            x=curve["angle_deg"], y=rounded(curve["luminance_cd_m2"], 2),
+            error_y={"array": rounded(error, 2), "thickness": 1, "width": 2},
+            name=name, mode="lines+markers", marker={"size": 4}, line=line(colour, 2),
+        )  # fmt: skip
     figure.update_xaxes(title_text="from the normal [°]", range=[-82, 82], dtick=20)
     figure.update_yaxes(title_text="luminance [cd/m²]", rangemode="tozero")
     return styled(figure, 400)

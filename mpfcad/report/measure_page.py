@@ -13,7 +13,7 @@ from mpfcad.report.figure import (
     figure_html,
     plotly_script,
 )
-from mpfcad.report.picture import BAND, PICTURES
+from mpfcad.report.picture import PICTURES, band_width
 from mpfcad.report.style import STYLE
 from mpfcad.report.table import figure, short, table
 
@@ -189,7 +189,8 @@ def _camera(record: Record, folder: Path) -> str:
         shown,
         f"The screen's middle, {edge:g} × {edge:g} mm, from straight above; pixels of "
         f"{found['pixel_mm']:g} mm. Left: black is 0, white 1.1 of the mean, as the eye sees it. "
-        f"Right: bands of {BAND * 100:g} % of the mean, blue below and brown above. Nothing is "
+        f"Right: bands of {band_width(found) * 100:g} % of the mean, at least two standard errors, "
+        f"blue below and brown above. Nothing is "
         f"smoothed: every line along the lamps is one traced value with a standard error of up to "
         f"{error * 100:.2f} % ({short(found['paths'])} paths in all); camera.tif holds them in 16 "
         f"bits.",
