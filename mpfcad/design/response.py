@@ -10,6 +10,7 @@ T and r: where the world sends what leaves the film, and the light it adds; g: w
 rays meet the film. T, r, g and F at some curvatures are estimated once, by short traces.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -137,20 +138,31 @@ class Response:
         `symmetric` maps save half of the work. From the adjoint: with p_i the solution of
         p = T'(F' p + F' g_i), row i is Σ (p + g_i) dF/dC (r + T v) over each cell.
         """
+        cells = self.grid.cells
+        wanted = range((cells + 1) // 2 if symmetric else cells)
+        luminance, rows = self.derivative(curvature, wanted)
+        if symmetric:
+            rows = np.concatenate([rows, rows[: cells // 2][::-1, ::-1]])
+        return self._smooth @ luminance, self._smooth @ rows
+
+    def derivative(
+        self, curvature: NDArray[np.float64], wanted: Sequence[int]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the luminance and the rows of its derivative for the cells `wanted`, unsmoothed.
+
+        That is (cells,) and (wanted, cells) float64, as in `jacobian`.
+        """
         film, slope = self._films(curvature), self._films(curvature, 1)
         after = self._after(self._solve(film))
         luminance = np.einsum("i,xij,xj->x", self._entry, film, after)
         # What a change of F in each cell adds to what is collected there, by row of entry.
         change = np.einsum("xij,xj->xi", slope, after)
-        cells = self.grid.cells
-        jacobian = np.empty((cells, cells))
-        for i in range((cells + 1) // 2 if symmetric else cells):
-            importance = self._importance(film, i)
-            jacobian[i] = np.einsum("xi,xi->x", importance, change[:, :-1])
-            jacobian[i, i] += self._entry @ change[i]
-            if symmetric:
-                jacobian[cells - 1 - i] = jacobian[i, ::-1]
-        return self._smooth @ luminance, self._smooth @ jacobian
+        rows = np.empty((len(wanted), self.grid.cells))
+        for row, cell in zip(rows, wanted, strict=True):
+            importance = self._importance(film, cell)
+            row[:] = np.einsum("xi,xi->x", importance, change[:, :-1])
+            row[cell] += self._entry @ change[cell]
+        return luminance, rows
 
     @cached_property
     def _smooth(self) -> NDArray[np.float64]:
