@@ -72,7 +72,7 @@ def run_design(
         when the design or a file it names is wrong; `out` is then as it was.
     """
     design_file, out = Path(design_file), Path(out)
-    work = _Work(design, design_file, out, threads or available_threads(), progress)
+    work = DesignWork(design, design_file, out, threads or available_threads(), progress)
     done = work.search()
     record = work.describe(done)
     with export_folder(out, "design") as folder:
@@ -86,7 +86,7 @@ def run_design(
     return out / f"{design.name}.toml"
 
 
-class _Work:
+class DesignWork:
     """A design being searched."""
 
     def __init__(
@@ -105,6 +105,7 @@ class _Work:
         self.goal = self._goal()
         self.state = _State(out.with_name(f".{out.name}.traces.json"), self._key())
         self.model: dict[str, Any] | None = None
+        self.reach: dict[str, Any] | None = None
 
     def _key(self) -> str:
         """Return a hash of everything that the traces depend on."""
@@ -281,6 +282,7 @@ class _Work:
             },
             "lamp_pitch_mm": self.pitch,
             "model": self.model,
+            "reach": self.reach,
             "iterations": [describe_iteration(one) for one in done],
             "chosen": done.index(self.best(done)),
             "paths": sum(one.traced.paths for one in done),

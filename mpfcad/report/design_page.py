@@ -67,7 +67,22 @@ def _result(record: dict[str, Any]) -> str:
                 f"{model['world_segments'] / 1e6:.2f} million from the film back to it",
             )
         )
+    if record["reach"]:
+        facts.append(("luminance between the lamps over that above, by any C in range",
+                      _reach_words(record["reach"])))  # fmt: skip
     return fact_table(facts)
+
+
+def _reach_words(reach: dict[str, Any]) -> str:
+    """Return the extremes that the model gives, and the trace that proves the nearer one."""
+    low, high = reach["luminance_ratio"]
+    words = f"{low:.4f} … {high:.4f} by the corrected model"
+    if reach["contrast_bound"] == 0:
+        return words + ": equal luminance is within reach"
+    words += f": <b>no map has a contrast below {reach['contrast_bound']:.4f}</b>"
+    if reach["traced"]:
+        words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
+    return words
 
 
 def _iterations(record: dict[str, Any]) -> str:
