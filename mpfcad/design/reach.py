@@ -49,17 +49,14 @@ def find_reach(
 ) -> Reach:
     """Return the extremes over all maps with C in the given range [1/mm].
 
-    From uniform films of the range's ends and middle by steps along the derivative's sign, each
-    halved until it helps; the best end is taken.
+    From the uniform film of the range's middle by steps along the derivative's sign, each halved
+    until it helps.
     """
-    start = np.linspace(curvature_min, curvature_max, 3)
-    found = []
-    for sign in (-1.0, 1.0):
-        ends = [
-            _climb(response, correction, sign, curvature_min, curvature_max, value)
-            for value in start
-        ]
-        found.append(max(ends, key=lambda end: sign * end[0]))
+    middle = (curvature_min + curvature_max) / 2
+    found = [
+        _climb(response, correction, sign, curvature_min, curvature_max, middle)
+        for sign in (-1.0, 1.0)
+    ]
     ratio = tuple(float(np.exp(end[0])) for end in found)
     cell = np.minimum((row_position() * response.grid.cells).astype(int), response.grid.cells - 1)
     return Reach(ratio, tuple(end[1][cell] for end in found))
