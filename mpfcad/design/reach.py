@@ -74,8 +74,9 @@ def _climb(response, correction, sign, low, high, value) -> tuple[float, NDArray
 
     best = log_ratio(response.luminance(curvature))
     for _ in range(_STEPS):
-        luminance, rows = response.derivative(curvature, (0, between[0]))
-        slope = rows[1] / luminance[between[0]] - rows[0] / luminance[0]
+        weight = response.smooth[[0, between[0]]]
+        luminance, rows = response.derivative(curvature, weight)
+        slope = np.subtract(*(rows / (weight @ luminance)[:, None])[::-1])
         slope = sign * (slope + slope[::-1])
         while trust >= _SMALLEST:
             trial = np.clip(curvature + trust * np.sign(slope), low, high)
