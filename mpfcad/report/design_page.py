@@ -78,10 +78,16 @@ def _reach_words(reach: dict[str, Any]) -> str:
     low, high = reach["luminance_ratio"]
     words = f"{low:.4f} … {high:.4f} by the corrected model"
     if reach["contrast_bound"] == 0:
-        return words + ": equal luminance is within reach"
-    words += f": <b>no map has a contrast below {reach['contrast_bound']:.4f}</b>"
+        words += ": they can be made equal"
+    else:
+        words += f": no map has a contrast below {reach['contrast_bound']:.4f}"
     if reach["traced"]:
         words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
+    if reach["free_contrast"] is not None:
+        words += (
+            f". Least contrast found for a map of 10 harmonics that may change as steeply as it "
+            f"likes: {reach['free_contrast']:.4f}"
+        )
     return words
 
 
