@@ -10,8 +10,9 @@ from mpfcad.design.cosine import ROWS, Constraint, cosine_basis, row_position, s
 from mpfcad.design.estimate import estimate_operators
 from mpfcad.design.grid import Grid
 from mpfcad.design.optimum import Correction, Goal, find_optimum, predict
+from mpfcad.design.reach import Reach, find_reach
 from mpfcad.design.response import Operators, Response
-from mpfcad.design.search import Iteration, Traced, best_of, search_by_response
+from mpfcad.design.search import Iteration, Traced, best_of, correction_of, search_by_response
 from mpfcad.design.thesis import search_by_inversion
 
 __all__ = [
@@ -22,12 +23,15 @@ __all__ = [
     "Grid",
     "Iteration",
     "Operators",
+    "Reach",
     "Response",
     "Traced",
     "best_of",
+    "correction_of",
     "cosine_basis",
     "estimate_operators",
     "find_optimum",
+    "find_reach",
     "predict",
     "row_position",
     "search_by_inversion",

@@ -72,7 +72,7 @@ def _scene(mesh, stack):
 
 def _trace_film(mesh, stack, grid: Grid, seed: int, threads: int) -> NDArray[np.float64]:
     """Return the shares of a uniform film, (2d+1, 2d), the same for mirrored directions."""
-    from mpfcad.design.passage import trace_film
+    from mpfcad.design.passage import FLOW_SIZE, trace_film
     from mpfcad.optics.sampling import RNG_SIZE
 
     scene, film = _scene(mesh, stack)
@@ -80,10 +80,9 @@ def _trace_film(mesh, stack, grid: Grid, seed: int, threads: int) -> NDArray[np.
 
     def rows(first: int) -> NDArray[np.float64]:
         found = np.zeros((min(_ROWS, 2 * d + 1 - first), 2 * d))
-        index, below = scene.parameter[film][:2]
         trace_film(
-            scene.tile, index, below, stack.acceptance, grid.number, grid.corner,
-            np.uint64(seed), first, FILM_SAMPLES, np.zeros(RNG_SIZE, np.uint64), found,
+            scene, film, stack.acceptance, grid.number, grid.corner, np.uint64(seed), first,
+            FILM_SAMPLES, np.zeros(RNG_SIZE, np.uint64), np.zeros(FLOW_SIZE), found,
         )  # fmt: skip
         return found / FILM_SAMPLES
 

@@ -5,14 +5,10 @@ import math
 from numba import njit
 
 from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.engine import _cavity
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.engine import pass_element
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import disk, start_path, uniform
-from mpfcad.optics.scene import CAVITY, SHEET, SLAB
-from mpfcad.optics.sheet import sheet_passage
-from mpfcad.optics.slab import slab_passage
 
 #: Streams of random numbers, apart from those of the engine's sources.
 WORLD_STREAM, FILM_STREAM, METER_STREAM = 101, 102, 103
@@ -50,7 +46,7 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
 
     `side` is `BELOW` or `ABOVE`, whence it meets the film, or `GONE`.
     """
-    y, z = 0.0, 0.0
+    y = 0.0
     weight, radiance = 1.0, 0.0
     count = len(scene.kind)
     for _ in range(_MOST_ELEMENTS):
@@ -58,21 +54,10 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
             return GONE, x, dx, dy, weight, radiance
         if e == film:
             return (BELOW if up else ABOVE), x, dx, dy, weight, radiance
-        parameter = scene.parameter[e]
-        way = 1
-        if scene.kind[e] == CAVITY:
-            z = parameter[0]
-            x, y, dx, dy, dz, weight, found = _cavity(
-                parameter, x, y, z, dx, dy, dz, NO_LAMP, weight, flow, rng
-            )
-            radiance += found
-        elif scene.kind[e] == SLAB:
-            way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
-            weight *= survival
-        elif scene.kind[e] == SHEET:
-            passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
-            weight *= parameter[2]
-            way = 1 if passed == up else -1
+        way, x, y, dx, dy, dz, weight, found = pass_element(
+            scene, e, up, x, y, 0.0, dx, dy, dz, NO_LAMP, weight, flow, rng
+        )
+        radiance += found
         if way == 0:
             return GONE, x, dx, dy, 0.0, radiance
         up = way > 0
@@ -114,7 +99,9 @@ def trace_world(
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_film(tile, index, below, acceptance, number, corner, seed, first, samples, rng, found):
+def trace_film(
+    scene, film, acceptance, number, corner, seed, first, samples, rng, flow, found
+):  # fmt: skip
     """Send `samples` rays a direction through the film alone and count how they leave.
 
     found (n, 2d) float64: rows are entries `first` … : d directions from below, d from above, the
@@ -127,19 +114,19 @@ def trace_film(tile, index, below, acceptance, number, corner, seed, first, samp
         up = entry < d_count
         for s in range(samples):
             start_path(rng, seed, FILM_STREAM, entry * samples + s)
-            x = (s + uniform(rng)) / samples * tile.width
+            x = (s + uniform(rng)) / samples * scene.tile.width
             if entry == 2 * d_count:
                 px, py = disk(rng)
                 kx, ky = acceptance * px, acceptance * py
                 kz = math.sqrt(1.0 - kx * kx - ky * ky)
             else:
                 kx, ky, kz = _start_direction(corner, entry % d_count, across, along, rng)
-            way, x, _, kx, ky, kz = film_passage(
-                tile, index, below, 0.0, up, x, 0.0, kx, ky, kz if up else -kz, rng
+            way, x, _, kx, ky, kz, weight, _ = pass_element(
+                scene, film, up, x, 0.0, 0.0, kx, ky, kz if up else -kz, NO_LAMP, 1.0, flow, rng
             )
             if way != 0:
                 column = _direction_cell(number, kx, ky) + (0 if way > 0 else d_count)
-                found[row, column] += 1.0
+                found[row, column] += weight
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)

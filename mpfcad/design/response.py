@@ -126,7 +126,7 @@ class Response:
         """Return the luminance [cd/m²] over each cell, (cells,), of curvatures [1/mm], (cells,)."""
         film = self._films(curvature)
         raw = np.einsum("i,xij,xj->x", self._entry, film, self._after(self._solve(film)))
-        return self._smooth @ raw
+        return self.smooth @ raw
 
     def jacobian(
         self, curvature: NDArray[np.float64], *, symmetric: bool = False
@@ -137,30 +137,43 @@ class Response:
         `symmetric` maps save half of the work. From the adjoint: with p_i the solution of
         p = T'(F' p + F' g_i), row i is Σ (p + g_i) dF/dC (r + T v) over each cell.
         """
+        cells = self.grid.cells
+        wanted = np.eye(cells)[: (cells + 1) // 2] if symmetric else np.eye(cells)
+        luminance, rows = self.derivative(curvature, wanted)
+        if symmetric:
+            rows = np.concatenate([rows, rows[: cells // 2][::-1, ::-1]])
+        return self.smooth @ luminance, self.smooth @ rows
+
+    def derivative(
+        self, curvature: NDArray[np.float64], weight: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the unsmoothed luminance L and the derivatives of some sums weight · L.
+
+        That is (cells,) and, for weights (m, cells), (m, cells) float64, as in `jacobian`.
+        """
         film, slope = self._films(curvature), self._films(curvature, 1)
         after = self._after(self._solve(film))
         luminance = np.einsum("i,xij,xj->x", self._entry, film, after)
         # What a change of F in each cell adds to what is collected there, by row of entry.
         change = np.einsum("xij,xj->xi", slope, after)
-        cells = self.grid.cells
-        jacobian = np.empty((cells, cells))
-        for i in range((cells + 1) // 2 if symmetric else cells):
-            importance = self._importance(film, i)
-            jacobian[i] = np.einsum("xi,xi->x", importance, change[:, :-1])
-            jacobian[i, i] += self._entry @ change[i]
-            if symmetric:
-                jacobian[cells - 1 - i] = jacobian[i, ::-1]
-        return self._smooth @ luminance, self._smooth @ jacobian
+        direct = change @ self._entry
+        rows = np.empty((len(weight), self.grid.cells))
+        for row, part in zip(rows, weight, strict=True):
+            importance = self._importance(film, part)
+            row[:] = np.einsum("xi,xi->x", importance, change[:, :-1]) + part * direct
+        return luminance, rows
 
     @cached_property
-    def _smooth(self) -> NDArray[np.float64]:
+    def smooth(self) -> NDArray[np.float64]:
         """Take a luminance's first `HARMONICS` harmonics, (cells, cells)."""
         angle = 2 * np.pi * np.outer(self.grid.centre, np.arange(1, HARMONICS + 1))
         basis = np.concatenate([np.ones((len(angle), 1)), np.cos(angle), np.sin(angle)], axis=1)
         return basis @ np.linalg.pinv(basis)
 
-    def _importance(self, film: NDArray[np.float64], cell: int) -> NDArray[np.float64]:
-        """Return how much of the meter's light over a cell meets the film in each state."""
+    def _importance(
+        self, film: NDArray[np.float64], weight: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return how much of meters' light, weighted by cell, meets the film in each state."""
         from scipy.sparse.linalg import LinearOperator, gmres
 
         inner = film[:, :-1]
@@ -170,8 +183,7 @@ class Response:
             leaving = np.einsum("xij,xi->xj", inner, self._by_cell(state))
             return self._transposed @ self._by_side(leaving)
 
-        first = np.zeros((self.grid.cells, 2 * self.grid.directions))
-        first[cell] = self._entry @ film[cell]
+        first = weight[:, None] * np.einsum("i,xij->xj", self._entry, film)
         right = self._transposed @ self._by_side(first)
         matrix = LinearOperator((size, size), matvec=lambda p: p - through(p), dtype=float)
         p, failed = gmres(matrix, right, rtol=1e-6, restart=60, maxiter=20)

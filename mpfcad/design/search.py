@@ -54,6 +54,12 @@ class Traced:
         """Sine amplitudes likewise, (4,)."""
         return np.array(self.coefficient[2::2][:_CORRECTED]) / self.coefficient[0]
 
+    @property
+    def luminance_ratio(self) -> float:
+        """Luminance halfway between the lamps over that above a lamp."""
+        above, between = self.curve(np.array([0.0, 0.5]))
+        return float(between / above)
+
     def curve(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the fitted luminance [cd/m²] at positions in pitches."""
         value = np.full(len(position), self.coefficient[0])

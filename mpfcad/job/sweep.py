@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from mpfcad.job.design import Name
+from mpfcad.job.design import ConstraintTable, GoalTable, Name, SearchTable
 from mpfcad.job.model import Positive, _Table
 from mpfcad.job.reader import read_document, validate
 
@@ -25,6 +25,14 @@ class SweepTraceTable(_Table):
     paths_million: Annotated[Positive, Field(le=1000)] = 6.0
 
 
+class SweepDesignTable(_Table):
+    """`[design]`: every point's map is searched, as `mpfcad design` does."""
+
+    goal: GoalTable = GoalTable()
+    constraint: ConstraintTable = ConstraintTable()
+    search: SearchTable = SearchTable()
+
+
 class Sweep(_Table):
     """A whole sweep: the job of every point, and `[axis]`: a list of values each."""
 
@@ -34,6 +42,7 @@ class Sweep(_Table):
     contrast_limit: Annotated[Positive, Field(le=1)] = 0.018
     axis: Annotated[dict[str, Annotated[list[Value], Field(min_length=1)]], Field(min_length=1)]
     trace: SweepTraceTable = SweepTraceTable()
+    design: SweepDesignTable | None = None
     map: dict[str, Any] = Field(default_factory=dict)
     film: dict[str, Any] = Field(default_factory=dict)
     process: dict[str, Any] = Field(default_factory=dict)
@@ -54,6 +63,10 @@ class Sweep(_Table):
                     raise ValueError(f"axis {axis}: must be numbers")
             if len(set(values)) < len(values) or len({type(v) for v in values}) > 1:
                 raise ValueError(f"axis {axis}: must be all numbers or all words, none twice")
+            if self.design and (axis in (FILL_AXIS, *REGISTRATION_AXES) or axis[:4] == "map."):
+                raise ValueError(f"axis {axis}: has no meaning where [design] finds the map")
+        if self.design and self.map:
+            raise ValueError("map: must be left out where [design] finds it")
         return self
 
     def document(self) -> dict[str, Any]:

@@ -18,7 +18,11 @@ from mpfcad.design import (
     Response,
     Traced,
     best_of,
+    correction_of,
     estimate_operators,
+    find_optimum,
+    find_reach,
+    predict,
     search_by_inversion,
     search_by_response,
 )
@@ -44,6 +48,8 @@ IDEAL_CURVATURE_MAX = 100.0
 #: Share of the printable range of aperture ratio left to the rounding of the mask.
 _RATIO_MARGIN = 0.01
 _UNIFORM_FILMS = 7
+#: A map free of the design's own smoothness: harmonics, and change of C [1/mm per mm].
+FREE_HARMONICS, FREE_CHANGE = 10, 1000.0
 #: Half the distance [mm] between the two rows at a step of a map of levels.
 _STEP = 1e-6
 
@@ -72,7 +78,7 @@ def run_design(
         when the design or a file it names is wrong; `out` is then as it was.
     """
     design_file, out = Path(design_file), Path(out)
-    work = _Work(design, design_file, out, threads or available_threads(), progress)
+    work = DesignWork(design, design_file, out, threads or available_threads(), progress)
     done = work.search()
     record = work.describe(done)
     with export_folder(out, "design") as folder:
@@ -86,7 +92,7 @@ def run_design(
     return out / f"{design.name}.toml"
 
 
-class _Work:
+class DesignWork:
     """A design being searched."""
 
     def __init__(
@@ -105,6 +111,7 @@ class _Work:
         self.goal = self._goal()
         self.state = _State(out.with_name(f".{out.name}.traces.json"), self._key())
         self.model: dict[str, Any] | None = None
+        self.reach: dict[str, Any] | None = None
 
     def _key(self) -> str:
         """Return a hash of everything that the traces depend on."""
@@ -154,7 +161,39 @@ class _Work:
             uniform = table.uniform_per_mm or [float(f"{c:.4g}") for c in spread]
             return search_by_inversion(uniform, constraint, self.pitch, self.trace, **stop)
         response = self._response()
-        return search_by_response(response, constraint, self.goal, self.pitch, self.trace, **stop)
+        done = search_by_response(response, constraint, self.goal, self.pitch, self.trace, **stop)
+        self.reach = self._reach(response, done)
+        return done
+
+    def _reach(self, response: Response, done: list[Iteration]) -> dict[str, Any]:
+        """Return what any map reaches; where no map is good enough, its best one is traced too."""
+        self.progress.stage("finding what any map reaches")
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        best, target = self.best(done), self.design.goal.contrast_target
+        correction = correction_of(done, response)
+        reach = find_reach(response, correction, low, high)
+        found: dict[str, Any] = {
+            "luminance_ratio": list(reach.ratio),
+            "contrast_bound": reach.contrast,
+            "traced": None,
+            "free_contrast": None,
+        }
+        if best.traced.contrast_low > target:
+            free = Constraint(low, high, FREE_CHANGE, FREE_HARMONICS)
+            start = np.zeros(FREE_HARMONICS + 1)
+            count = min(len(best.series), len(start))
+            start[:count] = best.series[:count]
+            series = find_optimum(start, response, correction, free, Goal(), self.pitch)
+            found["free_contrast"] = predict(series, response, correction).contrast
+        if reach.contrast > target:
+            rows = reach.rows[1 if reach.ratio[1] < 1 else 0]
+            traced = self.trace(rows, "the map of the extreme ratio", len(done))
+            found["traced"] = {
+                "curvature_per_mm": [float(c) for c in rows],
+                "luminance_ratio": traced.luminance_ratio,
+                "paths": traced.paths,
+            }
+        return found
 
     def _response(self) -> Response:
         low, high = self.constraint.curvature_min, self.constraint.curvature_max
@@ -281,6 +320,7 @@ class _Work:
             },
             "lamp_pitch_mm": self.pitch,
             "model": self.model,
+            "reach": self.reach,
             "iterations": [describe_iteration(one) for one in done],
             "chosen": done.index(self.best(done)),
             "paths": sum(one.traced.paths for one in done),

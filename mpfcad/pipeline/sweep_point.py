@@ -2,9 +2,11 @@
 
 import math
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from mpfcad.backlight import Quantity
 from mpfcad.errors import InputError
@@ -16,6 +18,10 @@ from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.units import deg
+
+_SEARCH = ("goal", "constraint", "search")
+#: Stands for the map until a design has found it.
+_ANY_CURVATURE = 50.0
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,8 @@ class Point:
         document of its job, its files by absolute path
     where
         name of the sweep's file, for messages
+    design
+        document of the design that finds its map; None where the job has one
     half_width, path_limit
         when its trace ends
     """
@@ -39,6 +47,7 @@ class Point:
     where: str
     half_width: float
     path_limit: int
+    design: dict[str, Any] | None = None
 
     def plan(self) -> Plan:
         """Return everything that is made of it.
@@ -73,6 +82,7 @@ class Point:
                 "stack": plan.stack.inputs(),
                 "files": sorted(files.values()),
                 "trace": [self.half_width, self.path_limit],
+                "design": self.design and {k: self.design[k] for k in _SEARCH if k in self.design},
             }
         )
 
@@ -99,9 +109,14 @@ def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
         if not 0 <= fill < 1:
             raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: must be 0 up to below 1")
         document["map"] = {"curvature_per_mm": float(groove.curvature_of_fill(fill))}
+    design = None
+    if sweep.design is not None:
+        tables = sweep.design.model_dump(mode="json", exclude_unset=True)
+        design = {**document, **tables}
+        document = {**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}
     trace = sweep.trace
     limit = round(trace.paths_million * 1e6)
-    return Point(coordinate, document, str(file), trace.half_width, limit)
+    return Point(coordinate, document, str(file), trace.half_width, limit, design)
 
 
 def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
@@ -124,7 +139,8 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     from mpfcad.measure import luminance_over_pitch
     from mpfcad.report import describe_luminance
 
-    plan = point.plan()
+    with tempfile.TemporaryDirectory() as temporary:
+        searched, plan = _search(point, Path(temporary), threads)
     stack, shift = plan.stack, local_shift(plan, point.coordinate)
     error = point.coordinate.get("lamp_pitch_error_mm", 0.0)
     if error:
@@ -147,5 +163,27 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
         "local_shift_mm": shift,
         "curvature_min_per_mm": float(plan.piece.curvature.min()),
         "curvature_max_per_mm": float(plan.piece.curvature.max()),
+        "search": searched,
         **describe_luminance(found),
     }
+
+
+def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | None, Plan]:
+    """Return what a search of the point's map found, if there is one, and the plan with it."""
+    from mpfcad.job.design import Design
+    from mpfcad.job.reader import validate
+    from mpfcad.pipeline.design import DesignWork
+
+    if point.design is None:
+        return None, point.plan()
+    design = validate(Design, point.design, point.where)
+    work = DesignWork(design, Path(point.where), folder / "design", threads, SILENT)
+    done = work.search()
+    work.write_map(folder / "map.csv", np.array(work.best(done).rows))
+    job = {**point.job, "map": {"file": str(folder / "map.csv"), "extent": "pitch"}}
+    searched = {
+        "series_per_mm": list(work.best(done).series),
+        "paths": sum(one.traced.paths for one in done),
+        "reach": work.reach,
+    }
+    return searched, replace(point, job=job).plan()

@@ -67,7 +67,28 @@ def _result(record: dict[str, Any]) -> str:
                 f"{model['world_segments'] / 1e6:.2f} million from the film back to it",
             )
         )
+    if record["reach"]:
+        facts.append(("luminance between the lamps over that above, by any C in range",
+                      _reach_words(record["reach"])))  # fmt: skip
     return fact_table(facts)
+
+
+def _reach_words(reach: dict[str, Any]) -> str:
+    """Return the extremes that the model gives, and the trace that proves the nearer one."""
+    low, high = reach["luminance_ratio"]
+    words = f"{low:.4f} … {high:.4f} by the corrected model"
+    if reach["contrast_bound"] == 0:
+        words += ": they can be made equal"
+    else:
+        words += f": no map has a contrast below {reach['contrast_bound']:.4f}"
+    if reach["traced"]:
+        words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
+    if reach["free_contrast"] is not None:
+        words += (
+            f". Least contrast found for a map of 10 harmonics that may change as steeply as it "
+            f"likes: {reach['free_contrast']:.4f}"
+        )
+    return words
 
 
 def _iterations(record: dict[str, Any]) -> str:
