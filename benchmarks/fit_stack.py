@@ -12,8 +12,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from thesis.film_case import POINTS, trace_points
+from thesis.film_case import EMPTY, POINTS, trace_points
 from thesis.fit import REACH, fit_values, read_targets
+from thesis.range_of_curvature import by_curvature
 from thesis.response import HARMONICS, fit_surface, read_curve
 from thesis.trial import FACTORS, FAMILIES, cases, screening_design, values_at
 
@@ -115,6 +116,11 @@ def run(quick: bool) -> dict:
             }
             for i, t in enumerate(targets)
         ],
+        "by_curvature": {
+            name: {family: by_curvature(surfaces[family], at) for family in ("mpf", "plate")}
+            for name, at in (("centre", centre), ("fitted", fit.code))
+        },
+        "conventional_cd_m2": float(np.exp(surfaces["conventional"](fit.code, EMPTY)[0])),
         "misfit": {name: s.misfit.tolist() for name, s in surfaces.items()},
         "sensitivity": sensitivity(surfaces, targets),
         "harmonics": HARMONICS,

@@ -128,7 +128,8 @@ def fit_values(
                     start = solve(start, prior, i, at)
                     now = chi2(start) - least
                     if now > RISE:
-                        ends[i, side] = np.interp(RISE, [rise, now], [last, at])
+                        # χ² grows as the square of the way: its root is nearly straight.
+                        ends[i, side] = np.interp(RISE**0.5, np.sqrt([rise, now]), [last, at])
                         break
                     last, rise = at, max(0.0, now)
         return ends
