@@ -106,8 +106,8 @@ from 6875 cd/m².
 
 {values}
 *95 %*: profile interval with the prior; *data alone*: without it; – where it does not end within
-the ±{fit["reach"]:g} steps that the surfaces reach. *Held*: share of the prior's variance that the data
-take away.
+the ±{fit["reach"]:g} steps that the surfaces reach. *Held*: share of the prior's variance
+that the data take away.
 
 Combinations that the data hold, best first; the other {count} are free, so many sets do as well:
 
