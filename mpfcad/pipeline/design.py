@@ -242,18 +242,16 @@ class DesignWork:
         return traced
 
     def _trace_mesh(self, mesh: Path, plan: Plan, number: int) -> Traced:
-        from mpfcad.measure import luminance_over_pitch
+        from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
-        found = luminance_over_pitch(
-            self.stack,
-            mesh,
-            offset=plan.offset,
+        run = TraceRun(
             seed=trace_seed(self.design.seed, number),
-            half_width_goal=0.0,
-            path_limit=round(self.design.search.paths_million * 1e6),
             threads=self.threads,
+            path_limit=round(self.design.search.paths_million * 1e6),
             progress=self.progress.trace,
         )
+        lit = light_film(self.stack, mesh, plan.offset)
+        found = luminance_over_pitch(lit, run, half_width_goal=0.0)
         contrast, mean = found.contrast, found.mean_luminance
         return Traced(
             contrast.value,
