@@ -13,13 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.bvh import Bvh, build_bvh
-from mpfcad.optics.chain import Chain, build_chain
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.tile import NO_TILE, Tile, build_tile
 
 CAVITY, SLAB, SHEET, FILM = range(4)
-CHAIN, BVH = range(2)
-ACCELERATORS = ("chain", "bvh")
 _PARAMETERS = 10
 
 
@@ -129,18 +126,6 @@ class Film:
 Element = Cavity | Slab | Sheet | Film
 
 
-class Tile(NamedTuple):
-    """A film tile as the kernels see it: its size, the z range of its top, both accelerators."""
-
-    width: float
-    length: float
-    low: float
-    high: float
-    accelerator: int
-    chain: Chain
-    bvh: Bvh
-
-
 class Scene(NamedTuple):
     """What the kernels read.
 
@@ -161,16 +146,6 @@ class Scene(NamedTuple):
     tile: Tile
     below: float
     above: float
-
-
-_NO_CHAIN = Chain(*(np.zeros(2),) * 2, *(np.zeros(1),) * 2, np.zeros(1, np.int64))
-_NO_BVH = Bvh(
-    np.zeros((1, 6)),
-    np.zeros((1, 2), np.int64),
-    np.ones(1, np.int64),
-    np.zeros((1, 9)),
-    np.zeros((1, 3)),
-)
 
 
 def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:
@@ -196,7 +171,7 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         kind[i] = (Cavity, Slab, Sheet, Film).index(type(element))
         values = _parameters(element)
         parameter[i, : len(values)] = values
-    tile = _tile(films[0]) if films else Tile(1.0, 1.0, 0.0, 1.0, CHAIN, _NO_CHAIN, _NO_BVH)
+    tile = build_tile(films[0].mesh, films[0].accelerator) if films else NO_TILE
     return Scene(kind, parameter, tile, float(below), float(above))
 
 
@@ -205,17 +180,3 @@ def _parameters(element: Element) -> list[float]:
     if isinstance(element, Film):
         return [element.index, element.index_below, element.offset]
     return [float(v) for k, v in vars(element).items() if k != "name"]
-
-
-def _tile(film: Film) -> Tile:
-    """Return the film's tile with the accelerator asked for, or the one that its mesh allows."""
-    mesh = film.mesh
-    z = mesh.vertex[np.unique(mesh.top), 2]
-    chain = build_chain(mesh) if film.accelerator in (None, "chain") else None
-    if chain is None and film.accelerator == "chain":
-        raise TraceError("accelerator chain: the mesh is not extruded along y")
-    bvh = build_bvh(mesh) if chain is None else _NO_BVH
-    accelerator = BVH if chain is None else CHAIN
-    width, length, _ = mesh.size
-    low, high = float(z.min()), float(z.max())
-    return Tile(width, length, low, high, accelerator, chain or _NO_CHAIN, bvh)
