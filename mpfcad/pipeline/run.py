@@ -7,13 +7,13 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.made import refuse_unusual, write_unusual
 from mpfcad.pipeline.make import (
     RUN_CAD_FORMATS,
     check_cad,
     check_masks,
     phototool,
     plan_mask,
+    refuse_formats,
     write_cad,
     write_curvature,
     write_mask_pictures,
@@ -52,7 +52,6 @@ def run_job(
     ExportError
         when a file does not read back as what it should hold; `out` is then as it was.
     """
-    refuse_unusual(job.film, str(job_file))
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
@@ -134,15 +133,12 @@ def make_cad(
     """
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
-    tiled = job.film.is_plain and job.cad.stl == "tiles" and "stl" in formats
+    refuse_formats(plan, formats, str(job_file))
+    tiled = job.cad.stl == "tiles" and "stl" in formats
     whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
     names = [f"film.{suffix}" for suffix in whole]
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
-        if not job.film.is_plain:
-            write_unusual(plan, Path(job_file), folder, formats, progress)
-            write_manifest(folder, job.name, "cad")
-            return names
         write_cad(plan, folder, whole, progress)
         check_cad(plan, folder, whole, progress)
         names += write_tiles(plan, folder, progress) if tiled else []
