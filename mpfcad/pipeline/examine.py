@@ -79,7 +79,8 @@ def examine(
     progress.stage("tracing film.stl")
     before = sha256(folder / "film.stl")
     mesh_file = folder / "film.stl"
-    luminance = _trace(plan, plan.stack, mesh_file, plan.offset, setting, threads, progress)
+    stack = plan.stack.with_files_in(folder)
+    luminance = _trace(plan, stack, mesh_file, plan.offset, setting, threads, progress)
     progress.stage("tracing the conventional stack")
     baseline = _trace_baseline(plan, setting, threads, progress)
     return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)

@@ -23,6 +23,7 @@ from mpfcad.pipeline.make import (
 from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.stack_mesh import write_stack_meshes
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
@@ -62,6 +63,7 @@ def run_job(
         if mask is not None:
             write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
+        write_stack_meshes(plan, folder, progress)
         return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
 
 
@@ -159,11 +161,12 @@ def trace_mesh(
     effort: str,
     threads: int | None,
     progress: Progress = SILENT,
+    prism: Path | None = None,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
-    edge from a lamp's axis [mm].
+    edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
 
     Raises
     ------
@@ -180,7 +183,7 @@ def trace_mesh(
     setting = TRACE_SETTINGS[effort]
     progress.stage(f"tracing {mesh}")
     result = luminance_over_pitch(
-        read_stack(stack, thickness=thickness),
+        read_stack(stack, thickness=thickness).with_prism(prism),
         mesh,
         offset=offset,
         seed=seed,
