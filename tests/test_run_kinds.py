@@ -36,7 +36,8 @@ def job_file(tmp_path, monkeypatch):
         film, profile = KINDS[kind]
         path = tmp_path / "job.toml"
         path.write_text(
-            f'name = "kind"\n[map]\ncurvature_per_mm = 58.0\n[film]\nprofile = "{profile}"\n{film}\n'
+            f'name = "kind"\n[map]\ncurvature_per_mm = 58.0\n'
+            f'[film]\nprofile = "{profile}"\n{film}\n'
             '[stack]\nfile = "small.toml"\n[cad]\nlength_mm = 0.05\nangle_tolerance_deg = 4.0\n'
         )
         return path

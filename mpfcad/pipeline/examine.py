@@ -91,7 +91,7 @@ def examine(
             progress.trace,
         )  # fmt: skip
         progress.stage("tracing film.stl")
-        lit = light_film(plan.stack, folder / "film.stl", plan.offset)
+        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
         luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
         progress.stage("tracing the conventional stack")
         lit = light_baseline(plan.job.cad.angle_tolerance)

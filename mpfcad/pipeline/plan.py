@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.backlight import Layer, Quantity, Stack, read_stack, stack_file
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
@@ -100,7 +100,7 @@ class Plan:
 
 def central_lamp(stack: Stack) -> int:
     """Return the lamp left of the panel's middle: the traced pitch runs from it to the next."""
-    return max((stack.lamp_count - 1) // 2, 0)
+    return stack.central_lamp
 
 
 def groove_count(width: float, pitch: float) -> int:
@@ -185,13 +185,20 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "title": stack.title,
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
+        "extent": stack.extent,
+        "own": {
+            name: {**asdict(layer), "file": stack_file(name) if layer.file else None}
+            for name, layer in stack.own.items()
+        },
     }
 
 
 def restore_stack(document: dict[str, Any]) -> Stack:
-    """Return the stack that `describe_stack` has described."""
+    """Return the stack that `describe_stack` has described; its meshes are in the export."""
     quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
-    return Stack(document["name"], document["title"], tuple(document["layers"]), quantity)
+    own = {name: Layer(**entry) for name, entry in document["own"].items()}
+    layers = tuple(document["layers"])
+    return Stack(document["name"], document["title"], layers, quantity, document["extent"], own)
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
@@ -270,6 +277,7 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
                 f"must be left out when film.refractive_index is given"
             )
         overrides["film_index"] = index
+    overrides.update(job.resin.document() if job.resin else {})
     file = job.stack.file
     source = job.stack.preset if file is None else job_file.parent / file
     try:

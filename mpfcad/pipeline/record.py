@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpfcad.backlight import PRISM_FILE
 from mpfcad.export import sha256
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
@@ -150,7 +151,8 @@ def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
 def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file that was made before verification.json, by name."""
     masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
-    made = (*masks, "film.step", "film.stl", "curvature.csv")
+    meshes = (PRISM_FILE, *(path.name for path in sorted(folder.glob("stack-*.stl"))))
+    made = (*masks, "film.step", "film.stl", *meshes, "curvature.csv")
     return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
 
 

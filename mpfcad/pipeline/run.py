@@ -23,6 +23,7 @@ from mpfcad.pipeline.make import (
 from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.stack_mesh import write_stack_meshes
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
@@ -61,6 +62,7 @@ def run_job(
         if mask is not None:
             write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
+        write_stack_meshes(plan, folder, progress)
         return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
 
 
@@ -155,11 +157,12 @@ def trace_mesh(
     effort: str,
     threads: int | None,
     progress: Progress = SILENT,
+    prism: Path | None = None,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
-    edge from a lamp's axis [mm].
+    edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
 
     Raises
     ------
@@ -176,7 +179,8 @@ def trace_mesh(
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
     progress.stage(f"tracing {mesh}")
-    lit = light_film(read_stack(stack, thickness=thickness), mesh, offset)
+    backlight = read_stack(stack, thickness=thickness).with_prism(prism)
+    lit = light_film(backlight, mesh, offset)
     with open_checkpoints(progress) as checkpoints:
         run = TraceRun(
             seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
