@@ -25,7 +25,7 @@ def paths(elements, count, x=55.0, y=45.0):
     source = Source(EYE, np.array([x]), 3.0, acceptance=0.5, along=y, spot_along=3.0)
     found = np.empty(count)
     flow = np.zeros(len(FLOWS) + len(elements))
-    single_paths(build_scene(elements), source, 0, 1, 0, found, flow)
+    single_paths(build_scene(elements), source, 1, 0, found, flow)
     return found, flow
 
 
