@@ -65,7 +65,6 @@ def build_record(
         findings.luminance,
         contrast_pass=job.gates.contrast_pass,
         contrast_marginal=job.gates.contrast_marginal,
-        angle_tolerance=job.cad.angle_tolerance,
     )
     return build_verification(
         name=job.name,
@@ -90,6 +89,7 @@ def build_record(
             "resolved": job.document(),
             "given": job.given(),
             "calibration": plan.calibration,
+            "measured_mm": None if plan.measured is None else plan.measured.tolist(),
             "stack": describe_stack(plan.stack),
             "trace": setting.document(),
         },
@@ -129,6 +129,7 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         stack=plan.stack,
         panel=plan.panel,
         piece=plan.piece,
+        drawn=plan.drawn,
         first_groove=plan.first_groove,
         lamp_position=plan.lamp_position,
         mask_period=plan.job.mask.period if mask is None else mask.period,
@@ -181,7 +182,8 @@ def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
             "source": "the job" if key in stated else source,
         }
         for key, value in model.model_dump(mode="json").items()
-        if value is not None and not (table == "film" and key in FilmTable.UNUSUAL)
+        if value is not None
+        and not (table == "film" and key in FilmTable.UNUSUAL and key not in stated)
     ]
 
 
