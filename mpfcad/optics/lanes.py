@@ -14,6 +14,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.np.arrayobj import populate_array
 
 LANES = 8
 _I32 = ir.IntType(32)
@@ -246,6 +247,30 @@ def gather(typingctx, array, index):
         return vector
 
     return result(array, index), lower
+
+
+def _local(element):
+    @intrinsic(prefer_literal=True)
+    def function(typingctx, count):
+        array = types.Array(element, 1, "C")
+
+        def lower(context, builder, sig, args):
+            kind = context.get_value_type(element)
+            size = context.get_abi_sizeof(kind)
+            number, step = (ir.Constant(ir.IntType(64), n) for n in (count.literal_value, size))
+            data = cgutils.alloca_once(builder, kind, size=count.literal_value)
+            made = context.make_array(array)(context, builder)
+            populate_array(made, data, [number], [step], step, None)
+            return made._getvalue()
+
+        return array(count), lower
+
+    return function
+
+
+#: Arrays of a constant length on the kernel's own stack: they must not outlive it.
+local_floats = _local(types.float64)
+local_wholes = _local(types.int64)
 
 
 @intrinsic
