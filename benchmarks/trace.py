@@ -141,12 +141,12 @@ def film_rows(folder, quick, present):
 def pyramid_rows(folder, quick, present):
     cells = 100 if quick else CELLS
     path = pyramids(folder / "pyramids.stl", cells)
-    name = f"pyramids, {4 * cells * cells:,} facets, normal luminance, beside Mitsuba"
+    name = f"pyramids, {4 * cells * cells:,} facets, transmittance, beside Mitsuba"
     if not present["mitsuba"]:
         yield entry(f"{name}: absent", None, "k/s")
         return
-    peer = mitsuba_film(path, 1.5, False, top=190.0)
-    yield from race(name, ours(path, "normal luminance"), peer, (300_000, 300_000), 3, 1.5)
+    peer = mitsuba_film(path, 1.5, True, top=190.0)
+    yield from race(name, ours(path, "transmittance"), peer, (300_000, 300_000), 3, 1.5)
 
 
 def closest_rows(folder, quick, present):
