@@ -24,15 +24,16 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.film import into_film, out_of_film, placed_film_passage
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.sampling import disk, start_path, uniform
-from mpfcad.optics.scene import Scene
+from mpfcad.optics.scene import TILE, Scene
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.tile import CHAIN
+from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 _CAVITY, _SLAB, _SHEET, _FILM = range(4)
@@ -78,7 +79,7 @@ class Source(_SourceFields):
     along
         (p,) float64 [mm], y of the measured points
     spot_along
-        length [mm] along y over which a point is averaged; 0 for that of the film's tile
+        length [mm] along y over which a point is averaged; 0 for that over which the stack repeats
     """
 
     __slots__ = ()
@@ -125,7 +126,7 @@ def _look(tilt_x, tilt_y, acceptance, px, py):
 def _start(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
     x = source.position[point] + (uniform(rng) - 0.5) * source.spot
-    length = source.spot_along if source.spot_along > 0.0 else scene.tile.length
+    length = source.spot_along if source.spot_along > 0.0 else scene.length
     y = source.along[point] + (uniform(rng) - 0.5) * length
     last = len(scene.kind) - 1
     px, py = disk(rng)
@@ -213,8 +214,8 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         weight *= parameter[2]
         way = 1 if passed == up else -1
     else:
-        way, x, y, dx, dy, dz = film_passage(
-            scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+        way, x, y, dx, dy, dz = placed_film_passage(
+            scene.tiles, parameter, up, x, y, dx, dy, dz, rng
         )
     flow[_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
@@ -242,13 +243,11 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
 @kernel
 def _pass_queue(scene, e, rays, wave):
     """Follow the rays that wait before element e through it."""
-    if scene.kind[e] == _FILM and scene.tile.accelerator == CHAIN:
-        film = scene.parameter[e]
-        film_passages(
-            scene.tile, film[0], film[1], film[2],
-            rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
-        )  # fmt: skip
-        return
+    if scene.kind[e] == _FILM:
+        tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
+        if tile.accelerator == CHAIN:
+            _pass_film(tile, scene.parameter[e], rays, wave)
+            return
     for slot in rays:
         p = wave.place[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
@@ -258,6 +257,29 @@ def _pass_queue(scene, e, rays, wave):
         wave.way[slot] = way
         wave.lamp[slot] = NO_LAMP
         wave.radiance[slot] += found
+
+
+@kernel
+def _pass_film(tile, film, rays, wave):
+    """Follow rays through an extruded film as it lies in the stack."""
+    placed = film[3] != 1.0 or film[5] != 0.0
+    if placed:
+        for slot in rays:
+            p = wave.place[slot]
+            up, p[0], p[1], p[3], p[4], p[5] = into_film(
+                film, tile.width, wave.upward[slot] != 0, p[0], p[1], p[3], p[4], p[5]
+            )
+            wave.upward[slot] = 1 if up else 0
+    film_passages(
+        tile, film[0], film[1], film[2],
+        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+    )  # fmt: skip
+    if placed:
+        for slot in rays:
+            p = wave.place[slot]
+            wave.way[slot], p[0], p[1], p[3], p[4], p[5] = out_of_film(
+                film, tile.width, wave.way[slot], p[0], p[1], p[3], p[4], p[5]
+            )
 
 
 @kernel
