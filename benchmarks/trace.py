@@ -139,7 +139,7 @@ def film_rows(folder, quick, present):
 
 
 def pyramid_rows(folder, quick, present):
-    cells = 100 if quick else CELLS
+    cells = 400 if quick else CELLS
     path = pyramids(folder / "pyramids.stl", cells)
     name = f"pyramids, {4 * cells * cells:,} facets, transmittance, beside Mitsuba"
     if not present["mitsuba"]:
