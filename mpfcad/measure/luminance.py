@@ -39,7 +39,7 @@ class LuminanceResult:
     paths
         backward paths traced
     accelerator
-        how the mesh was traced: `chain` or `bvh`
+        how the meshes were traced: `chain`, `bvh`, or each way that was taken
     """
 
     position_pitch: NDArray[np.float64]

@@ -79,9 +79,7 @@ class Lit:
     @property
     def accelerator(self) -> str:
         """How the mesh is traced."""
-        from mpfcad.optics.tile import ACCELERATORS
-
-        return ACCELERATORS[self.scene.tile.accelerator]
+        return self.scene.accelerators
 
 
 def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
