@@ -10,7 +10,7 @@ from mpfcad.pipeline.compare import compare_cases
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
-from mpfcad.pipeline.measure import default_measure_out, measure_film
+from mpfcad.pipeline.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
@@ -34,6 +34,7 @@ __all__ = [
     "compare_cases",
     "default_measure_out",
     "default_out",
+    "default_what",
     "make_cad",
     "make_mask",
     "make_mould",
