@@ -16,7 +16,9 @@ _HERE = Path(__file__).parent
 
 
 def _kernels() -> str:
-    sources = [*(_HERE.parent / "mpfcad" / "optics").glob("*.py"), _HERE / "harness.py"]
+    package = _HERE.parent / "mpfcad"
+    sources = [*(package / "optics").glob("*.py"), package / "design" / "passage.py"]
+    sources.append(_HERE / "harness.py")
     text = b"".join(path.read_bytes() for path in sorted(sources))
     return hashlib.sha256(text).hexdigest()[:16]
 

@@ -88,12 +88,8 @@ class Lit:
         return self.stack.extent == "panel"
 
 
-def light_film(
-    stack: Stack, mesh_path: Path, offset: float = 0.0, prism: Path | None = None
-) -> Lit:
+def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
     """Return a film mesh, read from disk, in a stack; `offset` [mm]: left edge from a lamp's axis.
-
-    `prism`: the mesh of the film without resin, which a resin that scatters needs.
 
     Raises
     ------
@@ -103,8 +99,7 @@ def light_film(
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
 
-    bare = None if prism is None else read_film_mesh(prism)
-    elements = stack.elements(read_film_mesh(mesh_path), offset, bare)
+    elements = stack.elements(read_film_mesh(mesh_path), offset)
     scene = build_scene(elements)
     case = {
         "mesh": hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),

@@ -7,6 +7,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 
 from mpfcad.pipeline.case import WHAT, Case, Measuring, read_case
 from mpfcad.pipeline.compare import compare_cases
+from mpfcad.pipeline.design import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
@@ -15,6 +16,7 @@ from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.sweep import default_sweep_out, run_sweep
 from mpfcad.pipeline.verify import verify_export
 
 __all__ = [
@@ -32,8 +34,10 @@ __all__ = [
     "Silent",
     "TraceSetting",
     "compare_cases",
+    "default_design_out",
     "default_measure_out",
     "default_out",
+    "default_sweep_out",
     "default_what",
     "make_cad",
     "make_mask",
@@ -43,7 +47,9 @@ __all__ = [
     "read_mask_plan",
     "read_plan",
     "restore_plan",
+    "run_design",
     "run_job",
+    "run_sweep",
     "trace_mesh",
     "verify_export",
 ]

@@ -5,6 +5,7 @@ values; `write_report` makes the page that a person can decide from.
 """
 
 from mpfcad.report.compare_page import write_compare_page
+from mpfcad.report.design_page import write_design_page
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.measure_page import write_measure_page
 from mpfcad.report.measurement import (
@@ -21,6 +22,7 @@ from mpfcad.report.measurement import (
 )
 from mpfcad.report.page import write_report
 from mpfcad.report.picture import PICTURES, write_pictures
+from mpfcad.report.sweep_page import write_sweep_page
 from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.report.verification import (
     CONTRAST_FORMULA,
@@ -56,7 +58,9 @@ __all__ = [
     "ratio",
     "worst_outcome",
     "write_compare_page",
+    "write_design_page",
     "write_measure_page",
     "write_pictures",
     "write_report",
+    "write_sweep_page",
 ]
