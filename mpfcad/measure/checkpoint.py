@@ -1,7 +1,7 @@
 """Half-done traces on disk: what an interrupted trace has tallied, so that it can go on.
 
 A checkpoint is one small file, named for the hash of everything that the tally depends on: the
-mesh's bytes, the stack's values, the meter, the seed, the goal, and the tracer's own code. It is
+mesh's bytes, the scene's numbers, the meter, the seed, the goal, and the tracer's own code. It is
 written after each round beside its name and renamed, so it is whole or absent; floats are kept bit
 for bit, and rounds are always the same, so a trace that goes on ends with the same bits as one that
 was never interrupted.
@@ -45,6 +45,23 @@ def case_hash(case: Mapping[str, Any]) -> str:
     plain = {key: v.tolist() if isinstance(v, np.ndarray) else v for key, v in case.items()}
     text = json.dumps({**plain, "code": code_hash()}, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def array_hash(values: Any) -> str:
+    """Return the SHA-256 of arrays and numbers in nested tuples: all that the kernels read."""
+    digest = hashlib.sha256()
+
+    def add(value: Any) -> None:
+        if isinstance(value, tuple):
+            digest.update(f"({len(value)}".encode())
+            for part in value:
+                add(part)
+        else:
+            array = np.asarray(value)
+            digest.update(f"{array.dtype}{array.shape}".encode() + array.tobytes())
+
+    add(values)
+    return digest.hexdigest()
 
 
 class Checkpoints:

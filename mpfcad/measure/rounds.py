@@ -1,5 +1,6 @@
 """Traces in rounds until a figure is known well enough, and goes on where it was interrupted."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
-from mpfcad.measure.checkpoint import Checkpoints, case_hash
+from mpfcad.measure.checkpoint import Checkpoints, array_hash, case_hash
 
 if TYPE_CHECKING:
     from mpfcad.optics.engine import Source
@@ -78,8 +79,13 @@ class Lit:
 
     @property
     def accelerator(self) -> str:
-        """How the mesh is traced."""
+        """How the films are traced."""
         return self.scene.accelerators
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the panel has edges; else everything repeats sideways without end."""
+        return self.stack.extent == "panel"
 
 
 def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
@@ -90,19 +96,19 @@ def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
     InputError
         when the mesh cannot be read or traced.
     """
-    import hashlib
-
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
 
     elements = stack.elements(read_film_mesh(mesh_path), offset)
+    scene = build_scene(elements)
     case = {
         "mesh": hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,
         "layers": list(stack.layers),
         "values": {name: entry.value for name, entry in stack.quantity.items()},
+        "scene": array_hash(scene),
     }
-    return Lit(stack, elements, build_scene(elements), case, str(mesh_path))
+    return Lit(stack, elements, scene, case, str(mesh_path))
 
 
 def trace_rounds(
