@@ -50,14 +50,11 @@ def compare_cases(
 
 def _row(case: Case, measuring: Measuring, progress: Progress) -> dict[str, Any]:
     stack = case.lit.stack
-    kinds = [stack.kind_of(layer) for layer in stack.layers if layer != "bonded_film"]
     return {
         "label": f"{case.name} in {stack.name}",
         "traced": describe_case(case, measuring),
         "screen": screen(case.lit),
-        # A film bonded on the plate is one part with it.
-        "sheet_count": sum(kind != "plate" for kind in kinds),
-        "plate_count": kinds.count("plate"),
+        "sheet_count": stack.sheet_count,
         **measure_case(case, _WHAT, measuring, progress),
     }
 
