@@ -21,6 +21,8 @@ from thesis.trial import FACTORS, FAMILIES, cases, screening_design, values_at
 RESULT = Path(__file__).parent / "thesis" / "fit.json"
 BLOCKS, REPEATS = 20, 2
 CENTRES = 8
+#: Of the first trial at the fitted values; beyond all others.
+ANCHOR_SEED = 1001
 #: One path's standard deviation over the mean (docs/tracing.md's blocks of 512 paths a point).
 PATH_SPREAD = 1.8
 #: Singular values below it hold nothing.
@@ -33,8 +35,8 @@ def trial_codes(quick: bool) -> np.ndarray:
     return once if quick else np.vstack([once] * REPEATS)
 
 
-def trace_trials(codes: np.ndarray, blocks: int) -> dict[str, tuple]:
-    """Return (codes, curvatures, readings) of each family; trial i has seed i + 1."""
+def trace_trials(codes: np.ndarray, blocks: int, first: int = 1) -> dict[str, tuple]:
+    """Return (codes, curvatures, readings) of each family; trial i has seed `first` + i."""
     found = {family: ([], [], []) for family in FAMILIES}
     for i, code in enumerate(codes):
         sys.stderr.write(f"\rtrial {i + 1} of {len(codes)} ")
@@ -42,7 +44,7 @@ def trace_trials(codes: np.ndarray, blocks: int) -> dict[str, tuple]:
         reference = 0.0
         for family in FAMILIES:
             for case in cases(family):
-                traced = trace_points(case, values_at(code), blocks, i + 1)
+                traced = trace_points(case, values_at(code), blocks, first + i)
                 reading = read_curve(
                     np.array(traced["luminance_cd_m2"]), np.array(traced["standard_error_cd_m2"])
                 )
@@ -87,7 +89,12 @@ def run(quick: bool) -> dict:
     codes = trial_codes(quick)
     surfaces = fit_surfaces(trace_trials(codes, BLOCKS), BLOCKS)
     targets = read_targets()
-    fit = fit_values(surfaces, targets, len(FACTORS))
+    found = fit_values(surfaces, targets, len(FACTORS))
+    # Luminance is not quite linear: traced again where the first fit ends, and fitted again there.
+    there = np.tile(found.code, (CENTRES, 1))
+    anchor = trace_trials(there, BLOCKS, first=ANCHOR_SEED)
+    near = {name: surface.anchored(*anchor[name]) for name, surface in surfaces.items()}
+    fit = fit_values(near, targets, len(FACTORS))
     centre = np.zeros(len(FACTORS))
     names = [factor.name for factor in FACTORS]
     return {
@@ -112,15 +119,15 @@ def run(quick: bool) -> dict:
         "targets": [
             {
                 "name": t.name, "published": t.value, "kind": t.kind, "residual": fit.residual[i],
-                "at_centre": t.ours(surfaces, centre), "fitted": t.ours(surfaces, fit.code),
+                "at_centre": t.ours(surfaces, centre), "fitted": t.ours(near, fit.code),
             }
             for i, t in enumerate(targets)
         ],
         "by_curvature": {
-            name: {family: by_curvature(surfaces[family], at) for family in ("mpf", "plate")}
-            for name, at in (("centre", centre), ("fitted", fit.code))
+            name: {family: by_curvature(of[family], at) for family in ("mpf", "plate")}
+            for name, of, at in (("centre", surfaces, centre), ("fitted", near, fit.code))
         },
-        "conventional_cd_m2": float(np.exp(surfaces["conventional"](fit.code, EMPTY)[0])),
+        "conventional_cd_m2": float(np.exp(near["conventional"](fit.code, EMPTY)[0])),
         "misfit": {name: s.misfit.tolist() for name, s in surfaces.items()},
         "sensitivity": sensitivity(surfaces, targets),
         "harmonics": HARMONICS,

@@ -25,7 +25,7 @@ RESULTS = HERE / "results.json"
 PAGE = ROOT / "docs" / "reproduction.md"
 SETS = ("thesis-32in", "thesis-fitted")
 #: Half-width of the contrast's interval, and the most paths.
-EFFORT, QUICK = (0.002, 8_000_000), (0.004, 1_500_000)
+EFFORT, QUICK = (0.002, 6_000_000), (0.004, 1_500_000)
 JOB = ROOT / "masks" / "patterned-16mm.toml"
 
 

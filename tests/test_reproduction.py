@@ -127,7 +127,7 @@ def test_the_trials_stand_about_the_presets_and_the_fit_is_in_its_own():
     found = {row["name"]: row for row in shipped("fit.json")["values"]}
     for factor in FACTORS:
         assert factor.centre == centre[factor.name]
-        assert fitted[factor.name] == float(f"{found[factor.name]['fitted']:.3g}")
+        assert fitted[factor.name] == float(f"{found[factor.name]['fitted']:.4g}")
 
 
 def test_the_page_is_what_its_results_make():

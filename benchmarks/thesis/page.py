@@ -84,7 +84,7 @@ def _fit(fit: dict) -> str:
         ]
         rows.append(
             [f"`{row['name']}`", f"{row['centre']:.4g}",
-             f"{row['low_step']:.3g}, {row['high_step']:.3g}", f"{row['fitted']:.3g}",
+             f"{row['low_step']:.3g}, {row['high_step']:.3g}", f"{row['fitted']:.4g}",
              " … ".join(ends), " … ".join(alone), f"{100 * row['held']:.0f} %"]
         )  # fmt: skip
     values = table(
