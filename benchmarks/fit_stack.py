@@ -3,7 +3,7 @@
 `python benchmarks/fit_stack.py [--quick] [--json] [--out FILE]`. Traces 12 films in 24 stacks whose
 values are all moved at once and in 8 at the centre, fits response surfaces to them, and those to
 `thesis/published.toml`. Finished traces are kept in `exports/reproduction/`: a run that was stopped
-goes on where it was. About 12 CPU-minutes; `--quick` half.
+goes on where it was. About 15 CPU-minutes; `--quick` half.
 """
 
 import argparse
@@ -84,6 +84,24 @@ def sensitivity(surfaces: dict, targets: list) -> list[dict]:
     return rows
 
 
+def turns(surfaces: dict, near: dict, fitted: np.ndarray) -> list[dict]:
+    """Return how luminance goes with curvature where the thesis has it fall, and what moves it."""
+
+    def ratio(of, code, family, high, low):
+        return float(np.exp(of[family](code, high)[0] - of[family](code, low)[0]))
+
+    rows, step = [], np.eye(len(FACTORS))
+    for what in (("mpf", 70.0, 60.0), ("plate", 81.0, 67.0)):
+        change = [(ratio(surfaces, s, *what) - ratio(surfaces, -s, *what)) / 2 for s in step]
+        most = int(np.argmax(np.abs(change)))
+        rows.append(
+            {"family": what[0], "curvatures_per_mm": what[1:],
+             "at_centre": ratio(surfaces, 0 * fitted, *what), "fitted": ratio(near, fitted, *what),
+             "moved_most_by": FACTORS[most].name, "change": change[most]}
+        )  # fmt: skip
+    return rows
+
+
 def run(quick: bool) -> dict:
     """Return the whole result as plain values."""
     codes = trial_codes(quick)
@@ -119,6 +137,8 @@ def run(quick: bool) -> dict:
         "targets": [
             {
                 "name": t.name, "published": t.value, "kind": t.kind, "residual": fit.residual[i],
+                "standard_error": float(fit.error[i]),
+                "residual_at_centre": t.residual(t.ours(surfaces, centre), 0.0),
                 "at_centre": t.ours(surfaces, centre), "fitted": t.ours(near, fit.code),
             }
             for i, t in enumerate(targets)
@@ -129,6 +149,7 @@ def run(quick: bool) -> dict:
         },
         "conventional_cd_m2": float(np.exp(near["conventional"](fit.code, EMPTY)[0])),
         "misfit": {name: s.misfit.tolist() for name, s in surfaces.items()},
+        "turns": turns(surfaces, near, fit.code),
         "sensitivity": sensitivity(surfaces, targets),
         "harmonics": HARMONICS,
     }  # fmt: skip
