@@ -95,7 +95,7 @@ def test_an_anchored_surface_meets_its_readings_in_luminance_alone():
     assert moved(there[0], 60.0)[0] == pytest.approx(0.3, abs=1e-12)
     before, after = surface(-there[0], 60.0), moved(-there[0], 60.0)
     shift = 0.3 - surface(there[0], 60.0)[0]
-    assert after == pytest.approx(before + [shift, 0, 0, 0, 0], abs=1e-12)
+    assert after == pytest.approx(before + shift * np.eye(5)[0], abs=1e-12)
 
 
 def test_a_limit_pulls_only_from_its_wrong_side():
