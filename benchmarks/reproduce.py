@@ -41,12 +41,11 @@ def uniform_cases(values: str) -> list[Case]:
 
 def trace_case(stack, mesh, offset: float, effort: tuple) -> dict:
     """Return contrast and mean luminance [cd/m²] as [value, low, high]."""
-    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
     half_width, limit = effort
-    found = luminance_over_pitch(
-        stack, mesh, offset=offset, half_width_goal=half_width, path_limit=limit
-    )
+    lit = light_film(stack, mesh, offset)
+    found = luminance_over_pitch(lit, TraceRun(path_limit=limit), half_width_goal=half_width)
     return {
         "contrast": [found.contrast.value, found.contrast.low, found.contrast.high],
         "luminance_cd_m2": [
