@@ -22,7 +22,8 @@ Monte-Carlo noise alone. Two sets of assumed values are shown: `thesis-32in-*`, 
 `thesis-fitted-*`, the set that this page's fit finds.
 
 `agrees`: the published figure lies in our interval widened by its rounding. `near`: within 0.003 of
-contrast, 1 % of luminance or 5 /mm. `differs`: neither.
+contrast, 1 % of luminance or 5 /mm. `differs`: neither. `open`: the interval lies on both sides of
+a published limit.
 """
 
 
@@ -36,6 +37,7 @@ def page(results: dict, fit: dict, picture: str) -> str:
         f"![Contrast and luminance against curvature]({picture})\n",
         "Lines: response surfaces of the fit with their 95 % bands; points: single traces.\n",
         "## What one set of values has to give\n",
+        "Met where the value keeps the limit; the minimum is read off the response surface.\n",
         demands(figures, SETS),
         _trade(figures),
         "## The film itself\n",
