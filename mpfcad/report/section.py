@@ -192,8 +192,8 @@ def cad_section(record: Record, evidence: Evidence) -> str:
         ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
         ("film.stl: facets", short(mesh["triangle_count"])),
         ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
-        ("film.stl: facet normals, rms / of the facet nearest to its limit", f"{short(mesh['normal_error_deg_rms'], 3)}"
-         f"° / {short(mesh['normal_error_deg_max'], 3)}°"),
+        ("film.stl: facet normals, rms / of the facet nearest to its limit",
+         f"{short(mesh['normal_error_deg_rms'], 3)}° / {short(mesh['normal_error_deg_max'], 3)}°"),
         ("film.stl: slopes against the profile's secants, rms",
          _or_none(mesh["secant_error_deg_rms"], "°")),
         ("film.stl against film.step: largest distance / difference of volume",

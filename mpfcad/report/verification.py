@@ -18,7 +18,7 @@ SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
-STEP_VOLUME_LIMIT = 2e-9
+STEP_VOLUME_LIMIT = 1e-9
 CURVATURE_LIMIT = 0.1
 LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
