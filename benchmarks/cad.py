@@ -63,6 +63,10 @@ def step_check(count, folder):
     return {"seconds": seconds, "valid": check.valid, "volume_error": check.volume_error}
 
 
+def stl_patterned(count, folder):
+    return stl(count, folder, None)
+
+
 def stl(count, folder, curvature=60.0):
     from mpfcad.cad import check_stl, write_stl
     from mpfcad.units import deg
@@ -76,7 +80,23 @@ def stl(count, folder, curvature=60.0):
         "seconds": seconds,
         "watertight": check.watertight,
         "secant_error_deg": check.secant_error_rms / deg,
+        "worst_groove_deg": check.secant_error_groove / deg,
     }
+
+
+def cells(side, folder):
+    from mpfcad.cad.cell_mesh import build_cell_mesh
+    from mpfcad.cad.cell_step import write_cell_step
+    from mpfcad.cad.stl import write_mesh
+    from mpfcad.film import CellFilm, Groove
+    from mpfcad.units import deg
+
+    film = CellFilm(Groove(0.050, 0.025), 0.2, "pyramid", "filled", 60.0, (side, side))
+    start = time.process_time()
+    write_mesh(build_cell_mesh(film, TOLERANCE_DEG * deg), folder / "film.stl", "film")
+    middle = time.process_time()
+    write_cell_step(film, folder / "film.step")
+    return {"STL": middle - start, "STEP": time.process_time() - middle}
 
 
 def outline(film):
@@ -130,7 +150,10 @@ def cadquery(count, folder):
     return {"seconds": time.process_time() - start}
 
 
-WORKERS = {f.__name__: f for f in (step, step_fused, step_check, stl, build123d, cadquery)}
+WORKERS = {
+    f.__name__: f
+    for f in (step, step_fused, step_check, stl, stl_patterned, cells, build123d, cadquery)
+}
 PEERS = ("build123d", "cadquery")
 
 
@@ -164,10 +187,21 @@ def row(name, ours, unit, goal, met, peer=None):
     }
 
 
+def why_absent(peer):
+    """Return why a peer cannot be measured, or nothing when it can be imported."""
+    if importlib.util.find_spec(peer) is None:
+        return "not installed"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import {peer}"], capture_output=True, text=True, check=False
+    )
+    return done.stderr.strip().rpartition("\n")[2][:60] if done.returncode else None
+
+
 def compare(peer, quick):
     """Return the row of the most grooves that a peer finishes within the budget."""
-    if importlib.util.find_spec(peer) is None:
-        return row(f"{peer}: absent (extra `benchmark`)", None, "s", ">= 8", None)
+    missing = why_absent(peer)
+    if missing:
+        return row(f"{peer}: absent: {missing}", None, "s", ">= 8", None)
     best, count = None, 8
     while count <= PANEL:
         theirs, ours = measure(peer, count), measure("step_fused", count)
@@ -184,6 +218,25 @@ def compare(peer, quick):
     return row(name, ours, "s", ">= 8", theirs >= 8 * ours, theirs)
 
 
+def slope_rows(mesh, what):
+    """Return time and slopes of a panel's STL."""
+    fine = mesh["seconds"] <= 2 and mesh["watertight"]
+    rows = [row(f"panel STL at 0.5°, {what}, watertight", mesh["seconds"], "s", "<= 2", fine)]
+    errors = (("all", mesh["secant_error_deg"]), ("worst groove", mesh["worst_groove_deg"]))
+    for where, error in errors:
+        name = f"panel STL, {what}: slopes to secants, rms, {where}"
+        rows.append(row(name, error, "deg", "<= 0.001", error <= 0.001))
+    return rows
+
+
+def cell_rows(found):
+    """Return the times of 10⁴ pyramids."""
+    return [
+        row(f"10⁴ pyramids, {kind}", found[kind], "s", "<= 10", found[kind] <= 10)
+        for kind in ("STL", "STEP")
+    ]
+
+
 def benchmark(quick):
     quarter, whole = measure("step", PANEL // 4), measure("step", PANEL)
     slope = math.log(whole["seconds"] / quarter["seconds"]) / math.log(4)
@@ -194,12 +247,9 @@ def benchmark(quick):
         row("panel STEP, exponent of N", slope, "", "<= 1.1", slope <= 1.1),
     ]
     rows += [compare(peer, quick) for peer in PEERS]
-    mesh = measure("stl", PANEL)
-    error = mesh["secant_error_deg"]
-    fine = mesh["seconds"] <= 2 and mesh["watertight"]
-    rows.append(row("panel STL at 0.5°, C = 60, watertight", mesh["seconds"], "s", "<= 2", fine))
-    name = "panel STL: slopes against secants, rms"
-    rows.append(row(name, error, "deg", "<= 0.001", error <= 0.001))
+    for worker, what in (("stl", "C = 60"), ("stl_patterned", "C = 41 … 79")):
+        rows += slope_rows(measure(worker, PANEL), what)
+    rows += cell_rows(measure("cells", 100))
     count = PANEL // 16 if quick else PANEL
     check, limit = measure("step_check", count), 40 * count / PANEL
     name = f"STEP of {count} grooves read again and checked"

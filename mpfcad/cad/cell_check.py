@@ -53,6 +53,7 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
         VOLUME_TOLERANCE,
         float(np.sqrt(np.mean(angle**2))),
         None,
+        None,
         float(angle[worst]),
         float(allowed[worst]),
         height,

@@ -69,6 +69,7 @@ def check_section_stl(
         VOLUME_TOLERANCE,
         _rms(at_middle),
         _rms(secant),
+        None,
         float(ends[worst]),
         float(allowed[worst]),
         height,

@@ -202,9 +202,8 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "triangle_count": int(check.triangle_count),
         "volume_error": float(check.volume_error),
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
-        "secant_error_deg_rms": None
-        if check.secant_error_rms is None
-        else float(check.secant_error_rms / deg),
+        "secant_error_deg_rms": _in_deg(check.secant_error_rms),
+        "secant_error_deg_rms_worst_groove": _in_deg(check.secant_error_groove),
         "normal_error_deg_max": float(check.normal_error_max / deg),
     }
 
@@ -246,6 +245,10 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
 
 def _numbers(values: Any) -> list[float]:
     return [float(value) for value in values]
+
+
+def _in_deg(angle: float | None) -> float | None:
+    return None if angle is None else float(angle) / deg
 
 
 def _in_um(length: float | None) -> float | None:
