@@ -172,7 +172,7 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     """Return what a search of the point's map found, if there is one, and the plan with it."""
     from mpfcad.job.design import Design
     from mpfcad.job.reader import validate
-    from mpfcad.pipeline.design import DesignWork
+    from mpfcad.pipeline.design_work import DesignWork
 
     if point.design is None:
         return None, point.plan()
