@@ -30,6 +30,7 @@ from mpfcad.film import Groove, Process
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
 from mpfcad.pipeline.design_state import TraceState, trace_seed
+from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_job_process, read_job_stack, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -211,7 +212,7 @@ class DesignWork:
             mesh,
             offset=plan.offset,
             seed=trace_seed(self.design.seed, number),
-            half_width_goal=0.0,
+            half_width_goal=NO_GOAL,
             path_limit=round(self.design.search.paths_million * 1e6),
             threads=self.threads,
             progress=self.progress.trace,

@@ -14,6 +14,7 @@ from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Groove
 from mpfcad.job import build_job
 from mpfcad.job.sweep import FILL_AXIS, Sweep
+from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT
@@ -154,7 +155,7 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
             folder / "film.stl",
             offset=plan.offset + shift,
             seed=plan.job.seed,
-            half_width_goal=point.half_width,
+            half_width_goal=point.half_width or NO_GOAL,
             path_limit=point.path_limit,
             threads=threads,
         )
