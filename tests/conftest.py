@@ -25,6 +25,10 @@ def _kernels() -> str:
 
 os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}")
 
+# What interrupted traces leave goes into a folder of this test run, never into the user's.
+_CACHE = tempfile.TemporaryDirectory(prefix="mpfcad-cache-")
+os.environ["MPFCAD_CACHE"] = _CACHE.name
+
 # A first call compiles kernels: no time limit for one example. Fixed examples: same run, same
 # result.
 settings.register_profile("kernels", deadline=None, derandomize=True)

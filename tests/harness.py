@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 from numba import njit, uint64
 
-from mpfcad.optics.engine import trace_path
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.engine import trace_paths
+from mpfcad.optics.film import film_passage, placed_film_passage
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.wave import Wave
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
 
@@ -106,13 +107,13 @@ def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: fl
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 
-@njit(cache=True)
-def single_paths(scene, source, point, seed, first, out, flow):
+def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
-    rng = np.zeros(RNG_SIZE, np.uint64)
-    for i in range(len(out)):
-        start_path(rng, uint64(seed), uint64(source.kind), uint64(first + i))
-        out[i] = trace_path(scene, source, point, flow, rng)
+    wave = Wave.empty(len(scene.kind), len(flow))
+    trace_paths(
+        scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
+        np.zeros(len(flow)),
+    )  # fmt: skip
 
 
 @njit(cache=True)
@@ -124,7 +125,7 @@ def pass_layers(scene, enter_below, seed, out):
         start_path(rng, uint64(seed), uint64(7), uint64(i))
         dx, dy = disk(rng)
         dz = np.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
-        x, y = 0.37 * scene.tile.width, 0.41 * scene.tile.length
+        x, y = 0.37 * scene.tiles.size[0, 0], 0.41 * scene.length
         shift_x, shift_y = disk(rng)
         x, y = x + 7.0 * shift_x, y + 7.0 * shift_y
         up, e, weight = True, 0, 1.0
@@ -141,8 +142,8 @@ def pass_layers(scene, enter_below, seed, out):
                 weight *= p[2]
                 way = 1 if passed == up else -1
             else:
-                way, x, y, dx, dy, dz = film_passage(
-                    scene.tile, p[0], p[1], p[2], up, x, y, dx, dy, dz, rng
+                way, x, y, dx, dy, dz = placed_film_passage(
+                    scene.tiles, p, up, x, y, dx, dy, dz, rng
                 )
             if way == 0:
                 break

@@ -9,6 +9,7 @@ from mpfcad.optics.engine import pass_element
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import disk, start_path, uniform
+from mpfcad.optics.scene import TILE
 
 #: Streams of random numbers, apart from those of the engine's sources.
 WORLD_STREAM, FILM_STREAM, METER_STREAM = 101, 102, 103
@@ -114,7 +115,7 @@ def trace_film(
         up = entry < d_count
         for s in range(samples):
             start_path(rng, seed, FILM_STREAM, entry * samples + s)
-            x = (s + uniform(rng)) / samples * scene.tile.width
+            x = (s + uniform(rng)) / samples * scene.tiles.size[int(scene.parameter[film, TILE]), 0]
             if entry == 2 * d_count:
                 px, py = disk(rng)
                 kx, ky = acceptance * px, acceptance * py

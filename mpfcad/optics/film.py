@@ -6,8 +6,50 @@ from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import uniform
 from mpfcad.optics.tile import next_facet
+from mpfcad.optics.tile_table import tile_of
 
 _MOST_HITS = 100_000
+
+
+@kernel
+def placed_film_passage(tiles, parameter, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz).
+
+    `parameter` is that of the film's element.
+    """
+    tile = tile_of(tiles, int(parameter[6]))
+    up, x, y, dx, dy, dz = into_film(parameter, tile.width, up, x, y, dx, dy, dz)
+    way, x, y, dx, dy, dz = film_passage(
+        tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+    )
+    return out_of_film(parameter, tile.width, way, x, y, dx, dy, dz)
+
+
+@kernel
+def into_film(parameter, width, up, x, y, dx, dy, dz):
+    """Turn a ray into the film's own axes: (up, x, y, dx, dy, dz).
+
+    By the film's angle about z, and, where it lies upside down, about the middle of its tile.
+    """
+    cosine, sine = parameter[3], parameter[4]
+    if cosine != 1.0:
+        x, y = cosine * x + sine * y, cosine * y - sine * x
+        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
+    if parameter[5] != 0.0:
+        x, dx, dz, up = 2.0 * parameter[2] + width - x, -dx, -dz, not up
+    return up, x, y, dx, dy, dz
+
+
+@kernel
+def out_of_film(parameter, width, way, x, y, dx, dy, dz):
+    """Turn a ray that leaves the film back into the stack's axes: (way, x, y, dx, dy, dz)."""
+    cosine, sine = parameter[3], parameter[4]
+    if parameter[5] != 0.0:
+        x, dx, dz, way = 2.0 * parameter[2] + width - x, -dx, -dz, -way
+    if cosine != 1.0:
+        x, y = cosine * x - sine * y, cosine * y + sine * x
+        dx, dy = cosine * dx - sine * dy, cosine * dy + sine * dx
+    return way, x, y, dx, dy, dz
 
 
 @kernel

@@ -6,6 +6,7 @@ Everything repeats sideways without end: lamps with the lamp pitch, a film with 
 mesh.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,10 +15,13 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.tile import NO_TILE, Tile, build_tile
+from mpfcad.optics.tile import ACCELERATORS, build_tile
+from mpfcad.optics.tile_table import TileTable, build_tile_table
 
 CAVITY, SLAB, SHEET, FILM = range(4)
-_PARAMETERS = 10
+_PARAMETERS = 12
+#: Where a film has the number of its tile.
+TILE = 6
 
 
 @dataclass(frozen=True)
@@ -110,9 +114,13 @@ class Film:
     index_below
         that of the medium under it: 1, or the slab's on which it is bonded
     offset
-        x [mm] in the scene of the tile's left edge
+        x [mm] in the scene of the tile's left edge, before the film is turned by `rotation`
     accelerator
         None to choose from the mesh, or `chain` or `bvh`
+    rotation
+        angle [rad] by which the film is turned about z through the scene's origin: π/2 is crossed
+    flipped
+        whether it lies upside down, turned over about the middle line of its tile along y
     """
 
     mesh: FilmMesh
@@ -121,6 +129,8 @@ class Film:
     offset: float = 0.0
     accelerator: str | None = None
     name: str = "film"
+    rotation: float = 0.0
+    flipped: bool = False
 
 
 Element = Cavity | Slab | Sheet | Film
@@ -134,18 +144,28 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 10) float64, the fields of each element in the order of its class
-    tile
-        the films' tile; scenes hold at most one film mesh
+        (e, 12) float64, the fields of each element in the order of its class; a film's: index,
+        index below, offset, cosine and sine of its rotation, flipped, number of its tile
+    tiles
+        the tiles of the films
+    length
+        [mm] along y over which the stack repeats, and a meter averages unless told otherwise
     below, above
         radiance [cd/m²] of black surroundings' place under the first and over the last element
     """
 
     kind: NDArray[np.int64]
     parameter: NDArray[np.float64]
-    tile: Tile
+    tiles: TileTable
+    length: float
     below: float
     above: float
+
+    @property
+    def accelerators(self) -> str:
+        """How the films are traced, each way once: `chain`, `chain, bvh` and so on."""
+        films = self.parameter[self.kind == FILM, TILE].astype(int)
+        return ", ".join(dict.fromkeys(ACCELERATORS[a] for a in self.tiles.accelerator[films]))
 
 
 def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:
@@ -154,29 +174,54 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     Raises
     ------
     TraceError
-        when a cavity is not the lowest element, a bonded slab has no film on it, there is more than
-        one film, or the asked accelerator does not fit the mesh.
+        when a cavity is not the lowest element, a bonded slab has no film with its underside on it,
+        or the asked accelerator does not fit the mesh.
     """
     films = [e for e in elements if isinstance(e, Film)]
-    if len(films) > 1:
-        raise TraceError(f"{len(films)} films in one stack: one is supported")
+    # Films of one mesh share a tile.
+    meshes = list({(id(f.mesh), f.accelerator): f for f in films}.values())
+    number = {(id(f.mesh), f.accelerator): i for i, f in enumerate(meshes)}
     kind = np.empty(len(elements), np.int64)
     parameter = np.zeros((len(elements), _PARAMETERS))
     for i, element in enumerate(elements):
         if isinstance(element, Cavity) and i > 0:
             raise TraceError("the cavity must be the lowest element")
         upper = elements[i + 1] if i + 1 < len(elements) else None
-        if isinstance(element, Slab) and element.bonded and not isinstance(upper, Film):
-            raise TraceError("a bonded slab needs a film on it")
+        if isinstance(element, Slab) and element.bonded:
+            if not isinstance(upper, Film):
+                raise TraceError("a bonded slab needs a film on it")
+            if upper.flipped:
+                raise TraceError("a film upside down cannot be bonded on a slab")
         kind[i] = (Cavity, Slab, Sheet, Film).index(type(element))
         values = _parameters(element)
+        if isinstance(element, Film):
+            values.append(float(number[id(element.mesh), element.accelerator]))
         parameter[i, : len(values)] = values
-    tile = build_tile(films[0].mesh, films[0].accelerator) if films else NO_TILE
-    return Scene(kind, parameter, tile, float(below), float(above))
+    tiles = build_tile_table([build_tile(f.mesh, f.accelerator) for f in meshes])
+    length = max(map(_extent_along, films), default=1.0)
+    return Scene(kind, parameter, tiles, length, float(below), float(above))
 
 
 def _parameters(element: Element) -> list[float]:
     """Return the numbers of an element in the order in which the kernels unpack them."""
     if isinstance(element, Film):
-        return [element.index, element.index_below, element.offset]
+        cosine, sine = _quadrant(element.rotation)
+        return [
+            element.index, element.index_below, element.offset, cosine, sine, float(element.flipped)
+        ]  # fmt: skip
     return [float(v) for k, v in vars(element).items() if k != "name"]
+
+
+def _quadrant(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle [rad], exact at right angles."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    if abs(cosine) < 1e-15 or abs(sine) < 1e-15:
+        return float(round(cosine)), float(round(sine))
+    return cosine, sine
+
+
+def _extent_along(film: Film) -> float:
+    """Return over which length [mm] along y a film repeats; turned askew, its longer side."""
+    _, sine = _quadrant(film.rotation)
+    width, length, _ = film.mesh.size
+    return length if sine == 0 else width if abs(sine) == 1 else max(width, length)

@@ -18,7 +18,7 @@ def trace_seed(seed: int, number: int) -> int:
     return int(state[0] >> np.uint64(1))
 
 
-class TraceState:
+class KeptTraces:
     """The traces done so far, in a file that is whole at any moment."""
 
     def __init__(self, path: Path, key: str) -> None:

@@ -29,7 +29,7 @@ from mpfcad.export import canonical_json, write_text
 from mpfcad.film import Groove, Process
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
-from mpfcad.pipeline.design_state import TraceState, trace_seed
+from mpfcad.pipeline.design_state import KeptTraces, trace_seed
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_job_process, read_job_stack, read_plan
@@ -69,7 +69,7 @@ class DesignWork:
         self.pitch = self.stack.lamp_pitch
         self.constraint = self._constraint()
         self.goal = self._goal()
-        self.state = TraceState(out.with_name(f".{out.name}.traces.json"), self._key())
+        self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
         self.model: dict[str, Any] | None = None
         self.reach: dict[str, Any] | None = None
 
@@ -205,18 +205,16 @@ class DesignWork:
         return traced
 
     def _trace_mesh(self, mesh: Path, plan: Plan, number: int) -> Traced:
-        from mpfcad.measure import luminance_over_pitch
+        from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
-        found = luminance_over_pitch(
-            self.stack,
-            mesh,
-            offset=plan.offset,
+        run = TraceRun(
             seed=trace_seed(self.design.seed, number),
-            half_width_goal=NO_GOAL,
-            path_limit=round(self.design.search.paths_million * 1e6),
             threads=self.threads,
+            path_limit=round(self.design.search.paths_million * 1e6),
             progress=self.progress.trace,
         )
+        lit = light_film(self.stack, mesh, plan.offset)
+        found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
         contrast, mean = found.contrast, found.mean_luminance
         return Traced(
             contrast.value,

@@ -172,22 +172,19 @@ def trace_mesh(
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+    from mpfcad.pipeline.resume import open_checkpoints
     from mpfcad.report import describe_luminance
 
     if not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
     progress.stage(f"tracing {mesh}")
-    result = luminance_over_pitch(
-        read_stack(stack, thickness=thickness),
-        mesh,
-        offset=offset,
-        seed=seed,
-        half_width_goal=setting.half_width_goal,
-        path_limit=setting.path_limit,
-        threads=threads or available_threads(),
-        progress=progress.trace,
-    )
+    lit = light_film(read_stack(stack, thickness=thickness), mesh, offset)
+    with open_checkpoints(progress) as checkpoints:
+        run = TraceRun(
+            seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
+        )
+        result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     traced = {"file": mesh.name, "sha256": sha256(mesh), "stack": str(stack), "seed": seed}
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -137,7 +137,7 @@ def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
 
 def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     """Return the figures of a point, in outside names."""
-    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
     from mpfcad.report import describe_luminance
 
     with tempfile.TemporaryDirectory() as temporary:
@@ -150,15 +150,9 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         write_cad(plan, folder, ("stl",), SILENT)
-        found = luminance_over_pitch(
-            stack,
-            folder / "film.stl",
-            offset=plan.offset + shift,
-            seed=plan.job.seed,
-            half_width_goal=point.half_width or NO_GOAL,
-            path_limit=point.path_limit,
-            threads=threads,
-        )
+        lit = light_film(stack, folder / "film.stl", plan.offset + shift)
+        run = TraceRun(seed=plan.job.seed, threads=threads, path_limit=point.path_limit)
+        found = luminance_over_pitch(lit, run, half_width_goal=point.half_width or NO_GOAL)
     return {
         "coordinate": point.coordinate,
         "local_shift_mm": shift,

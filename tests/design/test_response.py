@@ -65,13 +65,12 @@ def test_the_model_keeps_the_light(slim):
 
 
 def traced(stack, curvature, folder, paths, seed=1):
-    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
     film = PrismFilm(Groove(0.05, 0.025), 0.2, 1.0, "filled", curvature)
     write_stl(film, folder / "film.stl", math.radians(0.5))
-    return luminance_over_pitch(
-        stack, folder / "film.stl", seed=seed, half_width_goal=0.0, path_limit=paths
-    )
+    lit = light_film(stack, folder / "film.stl")
+    return luminance_over_pitch(lit, TraceRun(seed=seed, path_limit=paths), half_width_goal=0.0)
 
 
 def test_the_model_has_the_traced_mean_luminance(slim, tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
 
-from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.tile import build_tile
 
 SLIVERS = [groove(40.0001), groove(41.0), groove(79.999), groove(80.0), groove(0.0)]
 FILMS = {
@@ -28,7 +28,7 @@ def rays(count, up, seed=1, size=(0.1, 0.1)):
 
 
 def through(mesh, start, up, accelerator=None, index=1.5, seed=1):
-    tile = build_scene([Film(mesh, index, accelerator=accelerator)]).tile
+    tile = build_tile(mesh, accelerator)
     out = np.empty((len(start), 4))
     pass_film(tile, index, up, start, seed, out)
     return out
