@@ -4,6 +4,9 @@ import os
 from dataclasses import asdict, dataclass
 from typing import Any
 
+#: A half-width that no trace reaches: it goes on to its path limit.
+NO_GOAL = -1.0
+
 
 @dataclass(frozen=True)
 class TraceSetting:
