@@ -222,8 +222,8 @@ def stack_rows(folder, quick, present):
     yield entry(name, mine, "s", peer=mine * cost / own, ratio=cost / own, goal=5)
     yield entry("    mean normal luminance", tally.radiance[::8].mean(), "cd/m²",
                 peer=np.mean(values))  # fmt: skip
-    yield entry("    paths traced", tally.total_paths / cpu / 1e3, "k/s",
-                peer=n * len(points) / (cost and peer_cpu * len(points)) / 1e3)  # fmt: skip
+    rates = (tally.total_paths / cpu / 1e3, n / peer_cpu / 1e3)
+    yield entry("    paths traced", rates[0], "k/s", peer=rates[1])
 
 
 def main():
