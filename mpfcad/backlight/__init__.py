@@ -5,7 +5,19 @@ A `Stack` is a list of layers from the lamps up and a table of numbers, each tag
 user's own.
 """
 
+from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.quantity import RANGES, Quantity
 from mpfcad.backlight.reader import list_stacks, read_stack
-from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
+from mpfcad.backlight.stack import PRISM_FILE, Stack, stack_file
 
-__all__ = ["LAYERS", "RANGES", "Quantity", "Stack", "list_stacks", "read_stack"]
+__all__ = [
+    "LAYERS",
+    "PRISM_FILE",
+    "RANGES",
+    "Layer",
+    "Quantity",
+    "Stack",
+    "list_stacks",
+    "read_stack",
+    "stack_file",
+]

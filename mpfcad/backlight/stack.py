@@ -1,60 +1,25 @@
 """A backlight: its layers from the lamps up and every number it hangs on, each with its source."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Literal
 
+from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.quantity import (
+    PANEL_RANGES,
+    PARTICLE_RANGES,
+    RANGES,
+    Quantity,
+    lamp_of,
+)
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.scene import Element
 
-Tag = Literal["given", "sourced", "assumed"]
-
-#: What a layer may be, with what it is in words.
-LAYERS = {
-    "clear_plate": "clear plate",
-    "diffusing_plate": "diffusing plate",
-    "bottom_sheet": "bottom diffuser sheet",
-    "film": "film",
-    "bonded_film": "film bonded on the plate",
-    "top_sheet": "top diffuser sheet",
-}
-
-_TINY = 1e-6
-#: Every value of a stack and its allowed range, in the unit of its name.
-RANGES = {
-    "panel_width_mm": (1.0, 10_000.0),
-    "panel_length_mm": (1.0, 10_000.0),
-    "lamp_count": (1, 10_000),
-    "lamp_pitch_mm": (0.1, 1000.0),
-    "lamp_radius_mm": (0.01, 100.0),
-    "lamp_height_mm": (0.01, 1000.0),
-    "lamp_reflectance": (0.0, 1.0),
-    "lamp_luminance_cd_m2": (_TINY, 1e9),
-    "thickness_mm": (0.1, 1000.0),
-    "reflector_reflectance": (0.0, 1.0),
-    "reflector_specular_fraction": (0.0, 1.0),
-    "plate_index": (1.0, 4.0),
-    "plate_thickness_mm": (0.01, 100.0),
-    "plate_scattering_per_mm": (0.0, 100.0),
-    "plate_asymmetry": (-0.99, 0.99),
-    "plate_absorption_per_mm": (0.0, 100.0),
-    "bottom_sheet_sigma": (0.0, 10.0),
-    "top_sheet_sigma": (0.0, 10.0),
-    "sheet_index": (1.0, 4.0),
-    "sheet_transmission": (0.0, 1.0),
-    "film_index": (1.0, 4.0),
-    "meter_acceptance_deg": (0.0, 45.0),
-    "meter_spot_mm": (0.0, 1000.0),
-}
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with where it comes from."""
-
-    value: float
-    tag: Tag
-    source: str
+#: One lamp pitch that repeats without end, or the whole panel with its walls.
+EXTENTS = ("pitch", "panel")
+#: The film without resin, in an export.
+PRISM_FILE = "prism.stl"
 
 
 @dataclass(frozen=True)
@@ -66,15 +31,24 @@ class Stack:
     name, title
         the preset's or file's name; one line in words
     layers
-        from the lamps up, names of `LAYERS`; exactly one is a film
+        from the lamps up, names of `LAYERS` or of `own`; one is the place of the job's film
     quantity
-        one entry for each name of `RANGES`
+        one entry for each name of `RANGES`, and those that the stack needs besides
+    extent
+        `pitch`: everything repeats sideways without end; `panel`: the whole panel with its walls
+    own
+        by name, the layers with values of their own, which `quantity` holds as `name.value`
+    prism
+        mesh file of the job's film without resin: needed where the resin scatters
     """
 
     name: str
     title: str
     layers: tuple[str, ...]
     quantity: dict[str, Quantity]
+    extent: Literal["pitch", "panel"] = "pitch"
+    own: dict[str, Layer] = field(default_factory=dict)
+    prism: Path | None = None
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -105,69 +79,105 @@ class Stack:
         """Spacing of the lamps [mm]."""
         return self["lamp_pitch_mm"]
 
+    @property
+    def central_lamp(self) -> int:
+        """The lamp left of the panel's middle, at x = 0 of the scene."""
+        return max((self.lamp_count - 1) // 2, 0)
+
+    @property
+    def acceptance(self) -> float:
+        """Sine of the meter's half angle."""
+        return math.sin(math.radians(self["meter_acceptance_deg"]))
+
+    @property
+    def resin_scatters(self) -> bool:
+        """Whether the film's fill holds particles."""
+        return "resin_scattering_per_mm" in self.quantity and self["resin_scattering_per_mm"] > 0
+
+    @property
+    def sheet_count(self) -> int:
+        """Number of layers that are handled on their own: a film bonded on a plate is not."""
+        return sum(layer != "bonded_film" for layer in self.layers)
+
     def lamp_position(self, number: int) -> float:
-        """Return the axis' position [mm] on the panel of lamp `number`, from 0 at the left."""
+        """Return the axis' even position [mm] on the panel of lamp `number`, from 0 at the left."""
         row = (self.lamp_count - 1) * self.lamp_pitch
         return (self.panel_width - row) / 2 + number * self.lamp_pitch
+
+    def shifted_position(self, number: int) -> float:
+        """Return the axis' position [mm] on the panel with the lamp's own shift."""
+        return self.lamp_position(number) + self._of_lamp(number, "shift_mm", 0.0)
+
+    def lamp_factor(self, number: int) -> float:
+        """Return a lamp's luminance as a multiple of all lamps'."""
+        return self._of_lamp(number, "luminance_factor", 1.0)
+
+    def _of_lamp(self, number: int, value: str, default: float) -> float:
+        quantity = self.quantity.get(f"lamp_{number + 1}_{value}")
+        return default if quantity is None else quantity.value
+
+    def kind_of(self, layer: str) -> str:
+        """Return `plate`, `sheet` or `film`."""
+        kind = self.own[layer].kind if layer in self.own else layer.rpartition("_")[2]
+        return "film" if kind == "bef" else kind
+
+    def title_of(self, layer: str) -> str:
+        """Return what a layer is, in words."""
+        return self.own[layer].title if layer in self.own else LAYERS[layer]
+
+    def is_slot(self, layer: str) -> bool:
+        """Return whether a layer is the place of the job's film."""
+        if layer in self.own:
+            return self.own[layer].kind == "film" and self.own[layer].file is None
+        return layer.endswith("film")
+
+    def files(self) -> dict[str, Path]:
+        """Return the meshes of films beside the job's, by the layer's name."""
+        return {name: Path(layer.file) for name, layer in self.own.items() if layer.file}
+
+    def with_files_in(self, folder: Path) -> "Stack":
+        """Return the stack with the meshes that it needs besides the film's in a folder."""
+        own = {
+            name: replace(layer, file=str(Path(folder) / stack_file(name))) if layer.file else layer
+            for name, layer in self.own.items()
+        }
+        return replace(self, own=own).with_prism(Path(folder) / PRISM_FILE)
+
+    def with_prism(self, prism: Path | None) -> "Stack":
+        """Return the stack with the mesh file of the film without resin."""
+        return replace(self, prism=prism)
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
         """Return the stack with some quantities replaced."""
         return replace(self, quantity={**self.quantity, **values})
 
     def inputs(self) -> list[dict[str, object]]:
-        """Return each number as {name, value, tag, source}, in the order of `RANGES`."""
+        """Return each number in use as {name, value, tag, source}, the usual ones first."""
+        panel = self.extent == "panel"
+        names = [*RANGES, *(PANEL_RANGES if panel else ())]
+        names += sorted((k for k in self.quantity if lamp_of(k)), key=lambda k: (lamp_of(k), k))
+        names += [k for k in PARTICLE_RANGES if k in self.quantity]
+        names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
         return [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
-            for k, q in ((k, self.quantity[k]) for k in RANGES)
+            for k, q in ((k, self.quantity[k]) for k in names)
         ]
 
     def elements(self, mesh: FilmMesh, offset: float = 0.0) -> list[Element]:
-        """Return the traced elements from the bottom up; x = 0 is a lamp's axis.
+        """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
         `offset` [mm] is the x of the film tile's left edge.
+
+        Raises
+        ------
+        InputError
+            when the mesh of another film, or of the prisms under the resin, cannot be traced.
         """
-        bonded = "bonded_film" in self.layers
-        elements: list[Element] = [self._cavity()]
-        for layer in self.layers:
-            match layer:
-                case "clear_plate" | "diffusing_plate":
-                    elements.append(self._plate(layer == "diffusing_plate", bonded))
-                case "bottom_sheet" | "top_sheet":
-                    elements.append(self._sheet(layer))
-                case _:
-                    below = self["plate_index"] if bonded else 1.0
-                    elements.append(Film(mesh, self["film_index"], below, offset))
-        return elements
+        from mpfcad.backlight.lower import lower_stack
 
-    def _cavity(self) -> Cavity:
-        return Cavity(
-            height=self.thickness,
-            lamp_pitch=self.lamp_pitch,
-            lamp_position=0.0,
-            lamp_height=self["lamp_height_mm"],
-            lamp_radius=self["lamp_radius_mm"],
-            lamp_luminance=self["lamp_luminance_cd_m2"],
-            lamp_reflectance=self["lamp_reflectance"],
-            reflectance=self["reflector_reflectance"],
-            specular_fraction=self["reflector_specular_fraction"],
-            name="reflector",
-        )
+        return lower_stack(self, mesh, offset)
 
-    def _plate(self, diffusing: bool, bonded: bool) -> Slab:
-        volume = {}
-        if diffusing:
-            volume = {
-                "scattering": self["plate_scattering_per_mm"],
-                "absorption": self["plate_absorption_per_mm"],
-                "asymmetry": self["plate_asymmetry"],
-            }
-        return Slab(self["plate_index"], self["plate_thickness_mm"], bonded=bonded, **volume)
 
-    def _sheet(self, layer: str) -> Sheet:
-        name = layer.replace("_", " ")
-        return Sheet(self[f"{layer}_sigma"], self["sheet_index"], self["sheet_transmission"], name)
-
-    @property
-    def acceptance(self) -> float:
-        """Sine of the meter's half angle."""
-        return math.sin(math.radians(self["meter_acceptance_deg"]))
+def stack_file(layer: str) -> str:
+    """Return the file name in an export of the mesh of a layer."""
+    return f"stack-{layer}.stl"

@@ -12,7 +12,7 @@ from mpfcad.measure.rounds import Lit, TraceRun
 
 #: Polar angles [rad] of one curve, -80° … 80°.
 ANGLES = np.radians(np.arange(-80, 81, 5))
-_PEAK_POINTS = 7
+_PEAK_POINTS = 5
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Half-done traces on disk: what an interrupted trace has tallied, so that it can go on.
 
 A checkpoint is one small file, named for the hash of everything that the tally depends on: the
-mesh's bytes, the stack's values, the meter, the seed, the goal, and the tracer's own code. It is
+mesh's bytes, the scene's numbers, the meter, the seed, the goal, and the tracer's own code. It is
 written after each round beside its name and renamed, so it is whole or absent; floats are kept bit
 for bit, and rounds are always the same, so a trace that goes on ends with the same bits as one that
 was never interrupted.

@@ -107,6 +107,7 @@ def _energy(scene, elements, seed: int, threads: int) -> dict[str, object]:
     share = dict(zip(FLOWS, map(float, tally.fraction), strict=False))
     error = dict(zip(FLOWS, map(float, tally.fraction_error), strict=False))
     absorbed = {"lamps": share["lamps"]}
+    absorbed.update({name: share[name] for name in ("walls", "rim") if share[name] > 0})
     for element, part in zip(elements, tally.fraction[len(FLOWS) :], strict=True):
         if part > 0:
             absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)

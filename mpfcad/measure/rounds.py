@@ -1,9 +1,12 @@
 """Traces in rounds until a figure is known well enough, and goes on where it was interrupted."""
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
@@ -90,19 +93,29 @@ def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
     InputError
         when the mesh cannot be read or traced.
     """
-    import hashlib
-
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
 
     elements = stack.elements(read_film_mesh(mesh_path), offset)
+    scene = build_scene(elements)
+    digest = hashlib.sha256()
+    _feed(digest, scene)
     case = {
         "mesh": hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,
-        "layers": list(stack.layers),
-        "values": {name: entry.value for name, entry in stack.quantity.items()},
+        "scene": digest.hexdigest(),
     }
-    return Lit(stack, elements, build_scene(elements), case, str(mesh_path))
+    return Lit(stack, elements, scene, case, str(mesh_path))
+
+
+def _feed(digest: "hashlib._Hash", value: Any) -> None:
+    """Feed a number, an array or a tuple of such to a digest."""
+    if isinstance(value, tuple):
+        for part in value:
+            _feed(digest, part)
+    else:
+        array = np.ascontiguousarray(value)
+        digest.update(f"{array.dtype.str} {array.shape}".encode() + array.tobytes())
 
 
 def trace_rounds(

@@ -27,9 +27,17 @@ from mpfcad.optics.cavity import (
 from mpfcad.optics.film import into_film, out_of_film, placed_film_passage
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.panel import (
+    LAMP_END,
+    WALL_ACROSS,
+    WALL_ALONG,
+    lamp_start,
+    panel_hit,
+    wall_direction,
+)
 from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.sampling import disk, start_path, uniform
-from mpfcad.optics.scene import TILE, Scene
+from mpfcad.optics.scene import RESIN, TILE, Scene
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.tile import CHAIN
@@ -38,7 +46,7 @@ from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 _CAVITY, _SLAB, _SHEET, _FILM = range(4)
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
-_UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _ELEMENTS = range(6)
+_UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _WALLS, _RIM, _ELEMENTS = range(8)
 _ROULETTE_BELOW = 0.1
 _MOST_ELEMENTS = 1_000_000
 
@@ -136,6 +144,9 @@ def _start(scene, source, point, rng):
     dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
+    if len(scene.lamp) > 0:
+        x, y, z, dx, dy, dz, lamp = lamp_start(scene.parameter[0], scene.wall, scene.lamp, rng)
+        return 0, True, x, y, z, dx, dy, dz, lamp
     # On the tube of the lamp nearest to x = position: a cosine about the outward normal.
     angle = 2.0 * math.pi * uniform(rng)
     cavity = scene.parameter[0]
@@ -146,15 +157,23 @@ def _start(scene, source, point, rng):
 
 
 @kernel
-def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
+    parameter = scene.parameter[0]
+    finite = len(scene.lamp) > 0
     radiance = 0.0
     for _ in range(_MOST_ELEMENTS):
-        what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
+        if finite:
+            what, x, y, z, number, centre = panel_hit(
+                parameter, scene.wall, scene.lamp, x, y, z, dx, dy, dz, lamp
+            )
+        else:
+            what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
         if what == OPENING:
             return x, y, dx, dy, dz, weight, radiance
         if what == LAMP:
-            radiance += weight * parameter[5]
+            luminance = parameter[5] * (scene.lamp[number, 1] if finite else 1.0)
+            radiance += weight * luminance
             flow[_LAMPS] += weight * (1.0 - parameter[6])
             weight *= parameter[6]
             lamp = number
@@ -166,6 +185,17 @@ def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             weight *= parameter[7]
             lamp = NO_LAMP
             dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+        elif what in (WALL_ACROSS, WALL_ALONG):
+            flow[_WALLS] += weight * (1.0 - scene.wall[4])
+            weight *= scene.wall[4]
+            lamp = NO_LAMP
+            dx, dy, dz = wall_direction(what, scene.wall[5], dx, dy, dz, rng)
+        elif what == LAMP_END:
+            # The ends hold the electrodes: they reflect like the tube and do not shine.
+            flow[_LAMPS] += weight * (1.0 - parameter[6])
+            weight *= parameter[6]
+            lamp = number
+            dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
         else:
             break
         weight = _roulette(weight, flow, rng)
@@ -203,11 +233,13 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         if lamp == NO_LAMP:
             z = parameter[0]
         x, y, dx, dy, dz, weight, found = _cavity(
-            parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+            scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng
         )
         before = weight
     elif kind == _SLAB:
-        way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
+        way, x, y, dx, dy, dz, survival = slab_passage(
+            scene.phase, parameter, up, x, y, dx, dy, dz, rng
+        )
         weight *= survival
     elif kind == _SHEET:
         passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
@@ -215,7 +247,7 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         way = 1 if passed == up else -1
     else:
         way, x, y, dx, dy, dz = placed_film_passage(
-            scene.tiles, parameter, up, x, y, dx, dy, dz, rng
+            scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, rng
         )
     flow[_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
@@ -245,7 +277,8 @@ def _pass_queue(scene, e, rays, wave):
     """Follow the rays that wait before element e through it."""
     if scene.kind[e] == _FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
-        if tile.accelerator == CHAIN:
+        # Resin that scatters is followed ray by ray.
+        if tile.accelerator == CHAIN and scene.parameter[e, RESIN] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
     for slot in rays:
@@ -289,6 +322,10 @@ def _go_on(scene, e, slot, wave):
     way = wave.way[slot]
     if way == 0:
         once[_LOST] += wave.weight[slot]
+        return False
+    x, y, wall = wave.place[slot, 0], wave.place[slot, 1], scene.wall
+    if not (wall[0] <= x <= wall[1] and wall[2] <= y <= wall[3]):
+        once[_RIM] += wave.weight[slot]
         return False
     weight = _roulette(wave.weight[slot], once, wave.rng[slot])
     wave.weight[slot] = weight

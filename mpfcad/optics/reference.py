@@ -19,6 +19,7 @@ from mpfcad.optics.reference_ray import (
     reflectance,
     refract,
     roulette,
+    scattering_cosine,
 )
 from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
 
@@ -29,8 +30,11 @@ class ReferenceTracer:
     def __init__(self, elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> None:
         self.elements = elements
         self.below, self.above = below, above
+        self.panel = getattr(elements[0], "panel", None)
         self.films = {id(e): ReferenceFilm(e) for e in elements if isinstance(e, Film)}
         self.length = max((film.length for film in self.films.values()), default=1.0)
+        if self.panel:
+            self.length = min(self.length, 2.0)
 
     def radiance(
         self, x: float, spot: float, acceptance: float, rng: Philox, *,
@@ -56,10 +60,17 @@ class ReferenceTracer:
             }[type(element)]  # fmt: skip
             up, place, d, weight, found = pass_through(element, up, place, d, weight, rng)
             total += found
+            if self.panel and not self._is_over(place):
+                return total
             weight = roulette(weight, rng)
             if weight == 0:
                 return total
             number += 1 if up else -1
+
+    def _is_over(self, place: Vector) -> bool:
+        """Return whether a place is on the panel."""
+        panel = self.panel
+        return panel.left <= place[0] <= panel.right and panel.near <= place[1] <= panel.far
 
     @staticmethod
     def _look(tilt: tuple[float, float], acceptance: float, point: tuple[float, float]) -> Vector:
@@ -104,10 +115,7 @@ class ReferenceTracer:
             weight *= math.exp(-slab.absorption * step)
             x, y, z = x + step * d[0], y + step * d[1], z + step * d[2]
             if free < face:
-                g, u = slab.asymmetry, rng()
-                cosine = 2 * u - 1
-                if g:
-                    cosine = (1 + g * g - ((1 - g * g) / (1 - g + 2 * g * u)) ** 2) / (2 * g)
+                cosine = scattering_cosine(slab.phase, slab.asymmetry, rng())
                 d = about(d, cosine, 2 * math.pi * rng())
                 continue
             up = d[2] > 0

@@ -1,16 +1,19 @@
 """The oracle's film: every facet tried for every ray, in plain Python."""
 
 import math
+from itertools import pairwise
 
 from mpfcad.optics.reference_ray import (
     Philox,
     Vector,
+    about,
     cross,
     dot,
     facet_distance,
     minus,
     reflectance,
     refract,
+    scattering_cosine,
 )
 from mpfcad.optics.scene import Film
 
@@ -22,6 +25,11 @@ class ReferenceFilm:
         self.film = film
         vertex = [tuple(map(float, v)) for v in film.mesh.vertex]
         self.facets = [[vertex[i] for i in facet] for facet in film.mesh.top]
+        if film.resin:
+            prism = film.resin.prism
+            points = prism.vertex[sorted({i for facet in prism.top for i in facet})]
+            self.profile = sorted({(float(p[0]), float(p[2])) for p in points})
+            self.valley = min(z for _, z in self.profile)
         self.high = max(corner[2] for facet in self.facets for corner in facet)
 
     @property
@@ -70,6 +78,14 @@ class ReferenceFilm:
             inside = True
         while True:
             distance, normal = self._first_facet(o, d, inside)
+            if film.resin and inside:
+                reach = distance if normal else o[2] / -d[2]
+                flown = self._collision(o, d, reach, rng)
+                if flown < reach:
+                    o = tuple(a + flown * b for a, b in zip(o, d, strict=True))
+                    cosine = scattering_cosine(film.resin.phase, film.resin.asymmetry, rng())
+                    d = about(d, cosine, 2 * math.pi * rng())
+                    continue
             if normal is not None:
                 o = tuple(a + distance * b for a, b in zip(o, d, strict=True))
                 inside, d = self._at_facet(inside, normal, d, rng)
@@ -83,6 +99,30 @@ class ReferenceFilm:
                 d = (d[0], d[1], -d[2])
                 continue
             return False, o, refract(d, (0.0, 0.0, 1.0), film.index, film.index_below)
+
+    def _collision(self, o: Vector, d: Vector, reach: float, rng: Philox) -> float:
+        """Return how far a ray flies in the film until the resin scatters it, or infinity."""
+        flown = 0.0
+        if o[2] < self.valley:
+            if d[2] <= 0:
+                return math.inf
+            flown = (self.valley - o[2]) / d[2]
+        elif d[2] < 0:
+            reach = min(reach, (self.valley - o[2]) / d[2])
+        while True:
+            flown -= math.log(1 - rng()) / self.film.resin.scattering
+            if flown >= reach:
+                return math.inf
+            if o[2] + flown * d[2] > self._prism_height(o[0] + flown * d[0]):
+                return flown
+
+    def _prism_height(self, x: float) -> float:
+        """Return the height of the prisms' surface under the resin."""
+        x %= self.film.mesh.size[0]
+        for (x0, z0), (x1, z1) in pairwise(self.profile):
+            if x0 <= x <= x1:
+                return z0 + (z1 - z0) * (x - x0) / (x1 - x0)
+        raise ValueError(x)
 
     def _at_facet(
         self, inside: bool, normal: Vector, d: Vector, rng: Philox

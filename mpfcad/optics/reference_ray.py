@@ -119,3 +119,14 @@ def roulette(weight: float, rng: Philox) -> float:
     if weight >= 0.1 or weight == 0:
         return weight
     return 0.0 if rng() < 0.5 else 2 * weight
+
+
+def scattering_cosine(phase: Sequence[float] | None, g: float, u: float) -> float:
+    """Return the cosine of one scattering: from a table of quantiles, else of Henyey-Greenstein."""
+    if phase is not None:
+        place = u * (len(phase) - 1)
+        i = int(place)
+        return phase[i] + (place - i) * (phase[i + 1] - phase[i])
+    if g == 0:
+        return 2 * u - 1
+    return (1 + g * g - ((1 - g * g) / (1 - g + 2 * g * u)) ** 2) / (2 * g)

@@ -15,13 +15,18 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.panel import NO_WALL, Panel
+from mpfcad.optics.phase import phase_table
+from mpfcad.optics.resin import Resin
 from mpfcad.optics.tile import ACCELERATORS, build_tile
 from mpfcad.optics.tile_table import TileTable, build_tile_table
 
 CAVITY, SLAB, SHEET, FILM = range(4)
 _PARAMETERS = 12
-#: Where a film has the number of its tile.
-TILE = 6
+#: Largest length [mm] along y over which a meter averages on a finite panel.
+_MOST_ALONG = 2.0
+#: Where a film has the number of its tile, and the scattering coefficient of its resin.
+TILE, RESIN = 6, 7
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,8 @@ class Cavity:
         of the tube's surface [cd/m²]; diffuse reflectance 0…1
     reflectance, specular_fraction
         of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
+    panel
+        its edges and its own row of lamps; None: lamps of one kind with their pitch, without end
     """
 
     height: float
@@ -52,11 +59,12 @@ class Cavity:
     reflectance: float
     specular_fraction: float
     name: str = "cavity"
+    panel: Panel | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Slab:
-    """A plane-parallel plate, clear or with volume scattering (Henyey and Greenstein, 1941).
+    """A plane-parallel plate, clear or with volume scattering.
 
     Attributes
     ----------
@@ -67,9 +75,11 @@ class Slab:
     scattering, absorption
         coefficients [1/mm]
     asymmetry
-        g, mean cosine of one scattering
+        g, mean cosine of one scattering (Henyey and Greenstein, 1941)
     bonded
         whether the film above is bonded on it, without air between
+    phase
+        (STEPS+1,) float64, cosines at equal steps of probability in place of `asymmetry`
     """
 
     index: float
@@ -79,6 +89,7 @@ class Slab:
     asymmetry: float = 0.0
     bonded: bool = False
     name: str = "plate"
+    phase: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -121,6 +132,8 @@ class Film:
         angle [rad] by which the film is turned about z through the scene's origin: π/2 is crossed
     flipped
         whether it lies upside down, turned over about the middle line of its tile along y
+    resin
+        a fill that scatters, if it does
     """
 
     mesh: FilmMesh
@@ -131,9 +144,11 @@ class Film:
     name: str = "film"
     rotation: float = 0.0
     flipped: bool = False
+    resin: Resin | None = None
 
 
 Element = Cavity | Slab | Sheet | Film
+_CLASSES = (Cavity, Slab, Sheet, Film)
 
 
 class Scene(NamedTuple):
@@ -144,10 +159,16 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 12) float64, the fields of each element in the order of its class; a film's: index,
-        index below, offset, cosine and sine of its rotation, flipped, number of its tile
+        (e, 12) float64, the fields of each element in the order of its class; a plate's end with
+        the row of its phase function; a film's: index, index below, offset, cosine and sine of its
+        rotation, flipped, number of its tile, of its resin scattering, asymmetry, row of its phase
+        function and tile of the prisms under it
     tiles
-        the tiles of the films
+        the tiles of the films and of the prisms under scattering resin
+    phase
+        (r, STEPS+1) float64, tabulated phase functions
+    wall, lamp
+        (7,) and (l, 3) float64, a finite panel's (`Panel.arrays`); without end: no lamps
     length
         [mm] along y over which the stack repeats, and a meter averages unless told otherwise
     below, above
@@ -157,6 +178,9 @@ class Scene(NamedTuple):
     kind: NDArray[np.int64]
     parameter: NDArray[np.float64]
     tiles: TileTable
+    phase: NDArray[np.float64]
+    wall: NDArray[np.float64]
+    lamp: NDArray[np.float64]
     length: float
     below: float
     above: float
@@ -177,12 +201,38 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         when a cavity is not the lowest element, a bonded slab has no film with its underside on it,
         or the asked accelerator does not fit the mesh.
     """
-    films = [e for e in elements if isinstance(e, Film)]
-    # Films of one mesh share a tile.
-    meshes = list({(id(f.mesh), f.accelerator): f for f in films}.values())
-    number = {(id(f.mesh), f.accelerator): i for i, f in enumerate(meshes)}
-    kind = np.empty(len(elements), np.int64)
+    _check_order(elements)
+    tiles, phases = _Rows(), _Rows()
+    kind = np.array([_CLASSES.index(type(element)) for element in elements], np.int64)
     parameter = np.zeros((len(elements), _PARAMETERS))
+    for i, element in enumerate(elements):
+        values = _parameters(element, tiles, phases)
+        parameter[i, : len(values)] = values
+    panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
+    wall, lamp = panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
+    length = max((_extent_along(e) for e in elements if isinstance(e, Film)), default=1.0)
+    if panel:
+        length = min(length, _MOST_ALONG)
+    table = build_tile_table([build_tile(mesh, way) for mesh, way in tiles.entries])
+    phase = phase_table(phases.entries)
+    return Scene(kind, parameter, table, phase, wall, lamp, length, float(below), float(above))
+
+
+class _Rows:
+    """What elements share, each once: `number` gives the row of an entry."""
+
+    def __init__(self) -> None:
+        self.entries: list = []
+        self._row: dict[object, int] = {}
+
+    def number(self, key: object, entry: object) -> float:
+        if key not in self._row:
+            self._row[key] = len(self.entries)
+            self.entries.append(entry)
+        return float(self._row[key])
+
+
+def _check_order(elements: list[Element]) -> None:
     for i, element in enumerate(elements):
         if isinstance(element, Cavity) and i > 0:
             raise TraceError("the cavity must be the lowest element")
@@ -192,24 +242,30 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
                 raise TraceError("a bonded slab needs a film on it")
             if upper.flipped:
                 raise TraceError("a film upside down cannot be bonded on a slab")
-        kind[i] = (Cavity, Slab, Sheet, Film).index(type(element))
-        values = _parameters(element)
-        if isinstance(element, Film):
-            values.append(float(number[id(element.mesh), element.accelerator]))
-        parameter[i, : len(values)] = values
-    tiles = build_tile_table([build_tile(f.mesh, f.accelerator) for f in meshes])
-    length = max(map(_extent_along, films), default=1.0)
-    return Scene(kind, parameter, tiles, length, float(below), float(above))
 
 
-def _parameters(element: Element) -> list[float]:
+def _parameters(element: Element, tiles: _Rows, phases: _Rows) -> list[float]:
     """Return the numbers of an element in the order in which the kernels unpack them."""
     if isinstance(element, Film):
         cosine, sine = _quadrant(element.rotation)
-        return [
-            element.index, element.index_below, element.offset, cosine, sine, float(element.flipped)
-        ]  # fmt: skip
-    return [float(v) for k, v in vars(element).items() if k != "name"]
+        mesh, way = element.mesh, element.accelerator
+        values = [element.index, element.index_below, element.offset, cosine, sine]
+        values += [float(element.flipped), tiles.number((id(mesh), way), (mesh, way))]
+        resin = element.resin
+        if resin is not None:
+            row = _phase_row(resin.phase, phases)
+            prism = tiles.number((id(resin.prism), "chain"), (resin.prism, "chain"))
+            values += [resin.scattering, resin.asymmetry, row, prism]
+        return values
+    skipped = ("name", "panel", "phase")
+    values = [float(v) for k, v in vars(element).items() if k not in skipped]
+    if isinstance(element, Slab):
+        values.append(_phase_row(element.phase, phases))
+    return values
+
+
+def _phase_row(phase: NDArray[np.float64] | None, phases: _Rows) -> float:
+    return -1.0 if phase is None else phases.number(id(phase), phase)
 
 
 def _quadrant(angle: float) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Lit, TraceRun, case_hash, light_film
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.resume import cache_folder, open_checkpoints
 
 DEFAULT_STACK = "thesis-32in-mpf"
@@ -113,26 +113,28 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
         record = json.loads((folder / "verification.json").read_text("utf-8"))
     except ExportError as error:
         raise InputError(str(error)) from None
-    placed = _placed(restore_stack(record["job"]["stack"]), stack, thickness)
+    own = restore_stack(record["job"]["stack"]).with_files_in(folder)
+    placed = _placed(own, stack, thickness).with_prism(own.prism)
     offset = record["provenance"]["traced"]["offset_mm"]
     return Case(record["name"], "film.stl", light_film(placed, folder / "film.stl", offset))
 
 
 def _read_job(path: Path, stack: str | None, thickness: float | None) -> Case:
     """Return the film of a job, written to a file and read back, without the rest of its export."""
-    from mpfcad.cad import write_stl
     from mpfcad.job import read_job
-    from mpfcad.pipeline.made import refuse_unusual
+    from mpfcad.pipeline.make import write_cad
     from mpfcad.pipeline.plan import read_plan
+    from mpfcad.pipeline.stack_mesh import write_stack_meshes
 
     job = read_job(path)
-    refuse_unusual(job.film, str(path))
     plan = read_plan(job, path)
-    placed = _placed(plan.stack, stack, thickness)
     with tempfile.TemporaryDirectory() as temporary:
-        mesh = Path(temporary) / "film.stl"
-        write_stl(plan.piece, mesh, job.cad.angle_tolerance)
-        return Case(job.name, path.name, light_film(placed, mesh, plan.offset))
+        folder = Path(temporary)
+        write_cad(plan, folder, ("stl",), SILENT)
+        write_stack_meshes(plan, folder, SILENT)
+        own = plan.stack.with_files_in(folder)
+        placed = _placed(own, stack, thickness).with_prism(own.prism)
+        return Case(job.name, path.name, light_film(placed, folder / "film.stl", plan.offset))
 
 
 def _placed(own: Stack, stack: str | None, thickness: float | None) -> Stack:

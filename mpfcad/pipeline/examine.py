@@ -22,7 +22,7 @@ from mpfcad.measure import (
     luminance_over_pitch,
 )
 from mpfcad.pipeline.effort import TraceSetting, available_threads
-from mpfcad.pipeline.make import check_masks, phototool
+from mpfcad.pipeline.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
 from mpfcad.pipeline.plan import Plan
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.resume import open_checkpoints
@@ -45,7 +45,7 @@ class Findings:
         film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
-        without mask the table's C stands in for the mask's
+        without mask the table's C stands in for the mask's; None of a measured surface
     traced_sha256
         hash of the mesh file as it was traced
     luminance, baseline
@@ -56,7 +56,7 @@ class Findings:
     step: StepCheck
     mesh: MeshCheck
     agreement: Agreement
-    curvature_difference: float
+    curvature_difference: float | None
     traced_sha256: str
     luminance: LuminanceResult
     baseline: LuminanceResult
@@ -81,7 +81,8 @@ def examine(
     if mask is not None:
         table = plan.job.mask
         masks = check_masks(mask, phototool(table), folder, table.formats, progress)
-    step, mesh, agreement = _check_cad(folder, plan, progress)
+    cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
+    step, mesh = cad["step"], cad["stl"]
     difference = _curvature_difference(plan, masks, mesh)
     before = sha256(folder / "film.stl")
     with open_checkpoints(progress) as checkpoints:
@@ -90,7 +91,7 @@ def examine(
             progress.trace,
         )  # fmt: skip
         progress.stage("tracing film.stl")
-        lit = light_film(plan.stack, folder / "film.stl", plan.offset)
+        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
         luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
         progress.stage("tracing the conventional stack")
         lit = light_baseline(plan.job.cad.angle_tolerance)
@@ -98,21 +99,10 @@ def examine(
     return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)
 
 
-def _check_cad(
-    folder: Path, plan: Plan, progress: Progress
-) -> tuple[StepCheck, MeshCheck, Agreement]:
-    from mpfcad.cad import check_agreement, check_step, check_stl
-
-    step_file, stl_file = folder / "film.step", folder / "film.stl"
-    progress.stage("checking film.step")
-    step = check_step(step_file, plan.piece, bodies=plan.job.cad.bodies)
-    progress.stage("checking film.stl")
-    mesh = check_stl(stl_file, plan.piece, plan.job.cad.angle_tolerance)
-    return step, mesh, check_agreement(step_file, stl_file, sum(step.bodies.values()))
-
-
-def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float:
+def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float | None:
     """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
+    if mesh.curvature is None:
+        return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     if plan.process is None:
         expected = [plan.panel.curvature[piece]]

@@ -7,6 +7,7 @@ import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
 
 from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.resin import Resin
 from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
 
 PATTERN = [groove(c) for c in (57.0, 30.0, 75.0)]
@@ -61,6 +62,7 @@ def layers(name, folder):
         "pyramids": [Film(crossed_mesh(folder), 1.5)],
         "two films": [film, replace(film, rotation=np.pi / 2)],
         "askew, upside down": [BOTTOM, replace(film, rotation=0.5, flipped=True), film],
+        "resin": [replace(film, resin=Resin(film_mesh(folder, [BARE]), 60.0, 0.4))],
         **{n: stack(n, folder) for n in ("conventional", "mpf", "mpf-plate")},
     }[name]
 
@@ -68,7 +70,7 @@ def layers(name, folder):
 @pytest.mark.parametrize(
     "name",
     ["sheet", "wide sheet", "clear", "diffusing", "backward", "film", "pyramids",
-     "two films", "askew, upside down", "conventional",
+     "two films", "askew, upside down", "resin", "conventional",
      "mpf", "mpf-plate"],
 )  # fmt: skip
 def test_lambertian_light_from_both_sides_leaves_lambertian(tmp_path, name):
