@@ -196,8 +196,8 @@ _LEFT = """
 ## Not reproduced
 
 * Printed films darker than conventional, and darker the more they are filled beyond what the shape
-  does: the thesis blames particles in the resin (10⁵ /mm³). Ours have clear resin.
-* Patterned films below 16 mm: [stack.md](stack.md) has the stack, and the design of their maps has
-  a page of its own where it is done.
+  does: the thesis blames particles in the resin (10⁵ /mm³). Ours here have clear resin: particles
+  can be given ([stack.md](stack.md)), but the thesis's text leaves out their radius and index.
+* Patterned films below 16 mm: `mpfcad design` finds their maps.
 * The thesis's measured scattering tables are lost; sheets, plate and reflector are models here.
 """
