@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpfcad.cad import check_agreement
 from mpfcad.cad.cell_check import check_cell_step, check_cell_stl
 from mpfcad.cad.cell_mesh import build_cell_mesh
 from mpfcad.cad.cell_step import write_cell_step
@@ -57,6 +58,9 @@ def test_files_read_back(tmp_path, shape, profile, curvature):
     write_mesh(build_cell_mesh(film, 1 * deg), path, "film")
     check = check_cell_stl(path, film, 1 * deg)
     assert abs(check.volume_error) < 1e-4
+    agreement = check_agreement(tmp_path / "film.step", path, film.volume)
+    assert agreement.distance_max < 1e-7
+    assert check.curvature == pytest.approx(min(curvature, 79.9999), rel=1e-4)
     mesh = read_film_mesh(path)
     assert mesh.size == pytest.approx((*film.size, film.thickness), rel=1e-6)
 

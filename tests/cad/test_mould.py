@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mpfcad.cad import check_agreement
 from mpfcad.cad.dxf import check_dxf, rational_outline, write_dxf
 from mpfcad.cad.mould import build_mould
 from mpfcad.cad.section_check import check_section_step, check_section_stl
@@ -109,6 +110,8 @@ def test_files_read_back(film, tmp_path, made, side):
     assert abs(check.volume_error) < 1e-5
     assert check.normal_error_rms < 0.03 * deg
     if side == "film":
+        agreement = check_agreement(tmp_path / "body.step", path, section.volume)
+        assert agreement.distance_max < 5e-8
         # The tracer takes it: it has a flat underside and repeats.
         assert read_film_mesh(path).size == pytest.approx(
             (section.width, section.length, section.thickness), rel=1e-6
