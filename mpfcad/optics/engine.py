@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit, uint64
 from numpy.typing import NDArray
 
+from mpfcad.optics.bsdf import bsdf_passage
 from mpfcad.optics.cavity import (
     LAMP,
     NO_LAMP,
@@ -32,7 +33,7 @@ from mpfcad.optics.scene import Scene
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
 
-_CAVITY, _SLAB, _SHEET = range(3)
+_CAVITY, _SLAB, _SHEET, _FILM, _BSDF = range(5)
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
 _UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _ELEMENTS = range(6)
 _ROULETTE_BELOW = 0.1
@@ -92,7 +93,7 @@ def _start(scene, source, point, rng):
 
 
 @kernel
-def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def _cavity(parameter, bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     radiance = 0.0
     for _ in range(_MOST_ELEMENTS):
@@ -108,10 +109,16 @@ def _cavity(parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             nz = (z - parameter[3]) / parameter[4]
             dx, dy, dz = lambertian(nx, 0.0, nz, rng)
         elif what == REFLECTOR:
-            flow[_ELEMENTS] += weight * (1.0 - parameter[7])
-            weight *= parameter[7]
+            before = weight
             lamp = NO_LAMP
-            dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+            table = int(parameter[9])
+            if table >= 0:
+                _, dx, dy, dz, survival = bsdf_passage(bsdf, table, dx, dy, dz, rng)
+                weight *= survival
+            else:
+                weight *= parameter[7]
+                dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+            flow[_ELEMENTS] += before - weight
         else:
             break
         weight = _roulette(weight, flow, rng)
@@ -155,7 +162,7 @@ def trace_path(scene, source, point, flow, rng):
             if lamp == NO_LAMP:
                 z = parameter[0]
             x, y, dx, dy, dz, weight, found = _cavity(
-                parameter, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+                parameter, scene.bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng
             )
             lamp = NO_LAMP
             radiance += found
@@ -166,6 +173,12 @@ def trace_path(scene, source, point, flow, rng):
         elif kind == _SHEET:
             passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
             weight *= parameter[2]
+            way = 1 if passed == up else -1
+        elif kind == _BSDF:
+            passed, dx, dy, dz, survival = bsdf_passage(
+                scene.bsdf, int(parameter[0]), dx, dy, dz, rng
+            )
+            weight *= survival
             way = 1 if passed == up else -1
         else:
             way, x, y, dx, dy, dz = film_passage(

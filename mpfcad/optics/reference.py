@@ -8,7 +8,8 @@ numbers in the same order as `engine`, so that single paths can be compared, not
 import math
 from collections.abc import Sequence
 
-from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.reference_bsdf import scatter
+from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 
 Vector = tuple[float, float, float]
 
@@ -151,6 +152,7 @@ class ReferenceTracer:
             element = self.elements[number]
             pass_through = {
                 Cavity: self._cavity, Slab: self._slab, Sheet: self._sheet, Film: self._film,
+                BsdfSheet: self._bsdf,
             }[type(element)]  # fmt: skip
             up, place, d, weight, found = pass_through(element, up, place, d, weight, rng)
             total += found
@@ -186,14 +188,20 @@ class ReferenceTracer:
                 break
             else:
                 z, own = 0.0, None
-                weight *= cavity.reflectance
-                if rng() < cavity.specular_fraction:
-                    d = (d[0], d[1], -d[2])
-                else:
-                    px, py = disk(rng)
-                    d = (px, py, math.sqrt(1 - px * px - py * py))
+                d, kept = self._reflector(cavity, d, rng)
+                weight *= kept
             weight = self._roulette(weight, rng)
         return True, (x, y, 0.0), d, weight, total
+
+    @staticmethod
+    def _reflector(cavity, d, rng):
+        if cavity.brdf is not None:
+            _, d, kept = scatter(cavity.brdf, cavity.blend, d, rng)
+            return d, kept
+        if rng() < cavity.specular_fraction:
+            return (d[0], d[1], -d[2]), cavity.reflectance
+        px, py = disk(rng)
+        return (px, py, math.sqrt(1 - px * px - py * py)), cavity.reflectance
 
     @staticmethod
     def _lamp(cavity, x, z, d, own):
@@ -226,6 +234,11 @@ class ReferenceTracer:
             if accept < (1 - r1) * (1 - r2) / (1 - r1 * r2):
                 return up, place, (kx, ky, math.copysign(kz, d[2])), weight, 0.0
         return not up, place, (d[0], d[1], -d[2]), weight, 0.0
+
+    @staticmethod
+    def _bsdf(sheet, up, place, d, weight, rng):
+        passed, d, kept = scatter(sheet.table, sheet.blend, d, rng)
+        return passed == up, place, d, weight * kept, 0.0
 
     @staticmethod
     def _slab(slab, up, place, d, weight, rng):

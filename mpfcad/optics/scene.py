@@ -13,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
+from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
+from mpfcad.optics.bsdf_table import BsdfTable
 from mpfcad.optics.bvh import Bvh, build_bvh
 from mpfcad.optics.chain import Chain, build_chain
 from mpfcad.optics.mesh import FilmMesh
 
-CAVITY, SLAB, SHEET, FILM = range(4)
+CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
 CHAIN, BVH = range(2)
 ACCELERATORS = ("chain", "bvh")
 _PARAMETERS = 10
+_NOT_NUMBERS = ("name", "table", "brdf", "blend")
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,8 @@ class Cavity:
         of the tube's surface [cd/m²]; diffuse reflectance 0…1
     reflectance, specular_fraction
         of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
+    brdf, blend
+        a table that takes the place of both, seen from above; its interpolation (`BsdfSheet`)
     """
 
     height: float
@@ -51,6 +56,8 @@ class Cavity:
     reflectance: float
     specular_fraction: float
     name: str = "cavity"
+    brdf: BsdfTable | None = None
+    blend: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -126,7 +133,24 @@ class Film:
     name: str = "film"
 
 
-Element = Cavity | Slab | Sheet | Film
+@dataclass(frozen=True, eq=False)
+class BsdfSheet:
+    """A thin element that scatters by a table.
+
+    Attributes
+    ----------
+    table
+        both ways, both sides
+    blend
+        0: a table of steps; 1: linear between the bins' middles
+    """
+
+    table: BsdfTable
+    blend: float = 1.0
+    name: str = "bsdf"
+
+
+Element = Cavity | Slab | Sheet | Film | BsdfSheet
 
 
 class Tile(NamedTuple):
@@ -152,6 +176,8 @@ class Scene(NamedTuple):
         (e, 10) float64, the fields of each element in the order of its class
     tile
         the films' tile; scenes hold at most one film mesh
+    bsdf
+        the tables of all BSDF elements
     below, above
         radiance [cd/m²] of black surroundings' place under the first and over the last element
     """
@@ -159,6 +185,7 @@ class Scene(NamedTuple):
     kind: NDArray[np.int64]
     parameter: NDArray[np.float64]
     tile: Tile
+    bsdf: BsdfArrays
     below: float
     above: float
 
@@ -185,6 +212,8 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     films = [e for e in elements if isinstance(e, Film)]
     if len(films) > 1:
         raise TraceError(f"{len(films)} films in one stack: one is supported")
+    tables: list[BsdfTable] = []
+    blends: list[float] = []
     kind = np.empty(len(elements), np.int64)
     parameter = np.zeros((len(elements), _PARAMETERS))
     for i, element in enumerate(elements):
@@ -193,18 +222,26 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded and not isinstance(upper, Film):
             raise TraceError("a bonded slab needs a film on it")
-        kind[i] = (Cavity, Slab, Sheet, Film).index(type(element))
+        kind[i] = (Cavity, Slab, Sheet, Film, BsdfSheet).index(type(element))
         values = _parameters(element)
+        table = getattr(element, "brdf" if isinstance(element, Cavity) else "table", None)
+        if table is not None:
+            values.append(float(len(tables)))
+            tables.append(table)
+            blends.append(element.blend)
+        elif isinstance(element, Cavity):
+            values.append(-1.0)
         parameter[i, : len(values)] = values
     tile = _tile(films[0]) if films else Tile(1.0, 1.0, 0.0, 1.0, CHAIN, _NO_CHAIN, _NO_BVH)
-    return Scene(kind, parameter, tile, float(below), float(above))
+    bsdf = build_bsdf(tables, blends)
+    return Scene(kind, parameter, tile, bsdf, float(below), float(above))
 
 
 def _parameters(element: Element) -> list[float]:
     """Return the numbers of an element in the order in which the kernels unpack them."""
     if isinstance(element, Film):
         return [element.index, element.index_below, element.offset]
-    return [float(v) for k, v in vars(element).items() if k != "name"]
+    return [float(v) for k, v in vars(element).items() if k not in _NOT_NUMBERS]
 
 
 def _tile(film: Film) -> Tile:
