@@ -129,11 +129,11 @@ def _incidence_ring(tables, edge, rings, sin2, u):
             high = middle
     above = sin2 - tables.edge[edge + low]
     fade = tables.fade[edge + low]
-    if above < fade:
+    if fade > 0.0 and above < fade:
         return low - 1 if u < 0.5 - 0.5 * above / fade else low
     under = tables.edge[edge + low + 1] - sin2
     fade = tables.fade[edge + low + 1]
-    if under < fade:
+    if fade > 0.0 and under < fade:
         return low + 1 if u < 0.5 - 0.5 * under / fade else low
     return low
 
