@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import cad, calibrate, init, mask, mould, run, stacks, trace, verify
+from mpfcad.cli import bsdf, cad, calibrate, init, mask, mould, run, stacks, trace, verify
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -48,5 +48,5 @@ def _global_options(
         print(context.get_help())
 
 
-for command in (run, mask, cad, mould, trace, verify, calibrate, stacks, init):
+for command in (run, mask, cad, mould, trace, bsdf, verify, calibrate, stacks, init):
     app.command(command.__name__.rpartition(".")[2])(command.command)

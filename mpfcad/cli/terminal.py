@@ -53,12 +53,12 @@ class Terminal:
 
     def trace(self, paths: int, half_width: float) -> None:
         """Show how far the trace is, in a pipe at most every `interval` seconds."""
-        now = time.monotonic()
-        if self._live or now - self._last_line >= self.interval:
-            self._show(
-                f"{self._stage}: {paths / 1e6:.1f} million paths, "
-                f"contrast ± {half_width:.4f} (95 %)"
-            )
+        self.progress(f"{paths / 1e6:.1f} million paths, contrast ± {half_width:.4f} (95 %)")
+
+    def progress(self, text: str) -> None:
+        """Show how far the stage is, in a pipe at most every `interval` seconds."""
+        if self._live or time.monotonic() - self._last_line >= self.interval:
+            self._show(f"{self._stage}: {text}")
 
     def _elapsed(self) -> str:
         return f"{time.monotonic() - self._start:6.1f} s"

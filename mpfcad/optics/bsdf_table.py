@@ -25,6 +25,7 @@ WAYS = ("transmission", "reflection")
 ENERGY_TOLERANCE = 1e-3
 #: The largest reciprocity error of a table that is claimed to be reciprocal.
 RECIPROCITY_LIMIT = 0.05
+_MOST_SCALINGS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,28 +152,39 @@ class BsdfTable:
         return self.made_reciprocal()
 
     def made_reciprocal(self) -> "BsdfTable":
-        """Return the reciprocal table next to this one, with this one's energy where it can.
+        """Return a reciprocal table near this one, with this one's energy for each incidence.
 
         The mean with the reversed table, then each bin scaled in both roles until all energies are
-        as they were (Sinkhorn and Knopp, 1967; the symmetric form) or scaling goes no further.
+        as they were (Sinkhorn and Knopp, 1967, in its symmetric form). What scaling cannot give is
+        added as d_i d_o / Σd, d the light that is missing: reciprocal too.
         """
         mean = (self.value + self.reversed_value()) / 2
         target = self.energy.sum(axis=0)
         scale = np.ones_like(target)
-        for _ in range(200):
-            value = self._scaled(mean, scale)
-            now = (value @ self.basis.projected).sum(axis=0)
+        for _ in range(_MOST_SCALINGS):
+            now = scale * self._gathered(mean, scale)
             ratio = np.where(now > 0, target / np.maximum(now, 1e-300), 1.0)
             if np.abs(ratio - 1).max() < 1e-12:
                 break
             scale *= np.sqrt(ratio)
-        value = self._scaled(mean, scale)
-        # What cannot be matched must at least not gain: one factor for all keeps reciprocity.
-        most = max(1.0, float((value @ self.basis.projected).sum(axis=0).max()))
-        return replace(self, value=value / most)
+        now = scale * self._gathered(mean, scale)
+        most = np.max(now / np.maximum(target, 1e-300), initial=1.0, where=target > 0)
+        value = mean * scale[None, :, :, None] * self._leaving(scale)[:, :, None, :] / most
+        missing = np.maximum(0.0, target - now / most)
+        total = (missing * self.incidence_projected).sum()
+        if total > 0:
+            value += missing[None, :, :, None] * self._leaving(missing)[:, :, None, :] / total
+        return replace(self, value=value)
 
-    def _scaled(self, value: NDArray[np.float64], scale: NDArray[np.float64]) -> NDArray:
-        """Return `value` times the (2, i) factors of the incidence bin and of the reversed one."""
-        outgoing = scale[:, self.basis.ring] if self.isotropic else scale[:, self.basis.opposite]
-        other = np.stack([outgoing[::-1], outgoing])
-        return value * scale[None, :, :, None] * other[:, :, None, :]
+    def _leaving(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (2, i) factors of incidence bins for the bins where the reversed light comes from.
+
+        (2, 2, o): way, side, outgoing bin.
+        """
+        outgoing = factor[:, self.basis.ring if self.isotropic else self.basis.opposite]
+        return np.stack([outgoing[::-1], outgoing])
+
+    def _gathered(self, value: NDArray, factor: NDArray) -> NDArray[np.float64]:
+        """Return the light (2, i) leaving when each outgoing bin has its factor."""
+        weight = self._leaving(factor) * self.basis.projected
+        return np.einsum("wsio,wso->si", value, weight, optimize=True)
