@@ -79,7 +79,8 @@ def luminance_over_pitch(
     from mpfcad.optics.engine import EYE, Source, trace
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.recorder import FLOWS, Tally
-    from mpfcad.optics.scene import ACCELERATORS, build_scene
+    from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.tile import ACCELERATORS
 
     elements = stack.elements(read_film_mesh(mesh_path), offset)
     scene = build_scene(elements)

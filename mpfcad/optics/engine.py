@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit, uint64
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.optics.bsdf import bsdf_passage
 from mpfcad.optics.cavity import (
@@ -43,8 +43,21 @@ _MOST_ELEMENTS = 1_000_000
 BLOCK = 512
 
 
-class Source(NamedTuple):
-    """Where paths start.
+class _SourceFields(NamedTuple):
+    """The fields of a `Source`, as the kernels read them."""
+
+    kind: int
+    position: NDArray[np.float64]
+    spot: float
+    tilt_x: NDArray[np.float64]
+    tilt_y: NDArray[np.float64]
+    acceptance: float
+    along: NDArray[np.float64]
+    spot_along: float
+
+
+class Source(_SourceFields):
+    """Where paths start; one number for `tilt_x`, `tilt_y` or `along` stands for all points.
 
     Attributes
     ----------
@@ -56,30 +69,67 @@ class Source(NamedTuple):
     spot
         width [mm] across over which a point is averaged
     tilt_x, tilt_y
-        direction cosines of the meter's axis (0, 0: normal)
+        (p,) float64, direction cosines (kx, ky) of each meter's line of sight, downward; the light
+        it measures goes toward (-kx, -ky) (0, 0: normal)
     acceptance
-        sine of the half angle of the meter's acceptance cone
+        sine of the half angle of the meter's acceptance cone about its axis
+    along
+        (p,) float64 [mm], y of the measured points
+    spot_along
+        length [mm] along y over which a point is averaged; 0 for that of the film's tile
     """
 
-    kind: int
-    position: NDArray[np.float64]
-    spot: float
-    tilt_x: float = 0.0
-    tilt_y: float = 0.0
-    acceptance: float = 0.0
+    __slots__ = ()
+
+    def __new__(
+        cls,
+        kind: int,
+        position: ArrayLike,
+        spot: float,
+        tilt_x: ArrayLike = 0.0,
+        tilt_y: ArrayLike = 0.0,
+        acceptance: float = 0.0,
+        along: ArrayLike = 0.0,
+        spot_along: float = 0.0,
+    ) -> "Source":
+        """Return the source with one entry a point in every array."""
+        points = np.shape(position)
+        position, tilt_x, tilt_y, along = (
+            np.broadcast_to(np.asarray(values, np.float64), points).copy()
+            for values in (position, tilt_x, tilt_y, along)
+        )
+        return super().__new__(
+            cls, kind, position, float(spot), tilt_x, tilt_y, float(acceptance), along,
+            float(spot_along),
+        )  # fmt: skip
+
+
+@kernel
+def _look(tilt_x, tilt_y, acceptance, px, py):
+    """Return the direction of a meter's ray: (px, py) of the unit disk within its cone.
+
+    The cone stands upright on the meter's axis d0: d = cos a · d0 + sine of the half angle · p,
+    p in the plane across d0. Along the normal this is (kx, ky) = acceptance · (px, py).
+    """
+    axis = math.sqrt(max(0.0, 1.0 - tilt_x * tilt_x - tilt_y * tilt_y))
+    toward = (px * tilt_x + py * tilt_y) / (1.0 + axis)
+    cosine = math.sqrt(1.0 - acceptance * acceptance * (px * px + py * py))
+    dx = cosine * tilt_x + acceptance * (px - toward * tilt_x)
+    dy = cosine * tilt_y + acceptance * (py - toward * tilt_y)
+    return dx, dy, -math.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
 
 
 @kernel
 def _start(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
     x = source.position[point] + (uniform(rng) - 0.5) * source.spot
-    y = uniform(rng) * scene.tile.length
+    length = source.spot_along if source.spot_along > 0.0 else scene.tile.length
+    y = source.along[point] + (uniform(rng) - 0.5) * length
     last = len(scene.kind) - 1
     px, py = disk(rng)
     if source.kind == EYE:
-        dx = source.tilt_x + source.acceptance * px
-        dy = source.tilt_y + source.acceptance * py
-        return last, False, x, y, 0.0, dx, dy, -math.sqrt(1.0 - dx * dx - dy * dy), NO_LAMP
+        dx, dy, dz = _look(source.tilt_x[point], source.tilt_y[point], source.acceptance, px, py)
+        return last, False, x, y, 0.0, dx, dy, dz, NO_LAMP
     dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
@@ -141,6 +191,44 @@ def _roulette(weight, flow, rng):
 
 
 @kernel
+def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+    """Follow a ray through element e: (way, x, y, dx, dy, dz, weight, radiance found).
+
+    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; z and lamp count for a path
+    that starts in the cavity.
+    """
+    kind = scene.kind[e]
+    parameter = scene.parameter[e]
+    way = 1
+    before = weight
+    found = 0.0
+    if kind == _CAVITY:
+        if lamp == NO_LAMP:
+            z = parameter[0]
+        x, y, dx, dy, dz, weight, found = _cavity(
+            parameter, scene.bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+        )
+        before = weight
+    elif kind == _SLAB:
+        way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
+        weight *= survival
+    elif kind == _SHEET:
+        passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
+        weight *= parameter[2]
+        way = 1 if passed == up else -1
+    elif kind == _BSDF:
+        passed, dx, dy, dz, survival = bsdf_passage(scene.bsdf, int(parameter[0]), dx, dy, dz, rng)
+        weight *= survival
+        way = 1 if passed == up else -1
+    else:
+        way, x, y, dx, dy, dz = film_passage(
+            scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+        )
+    flow[_ELEMENTS + e] += before - weight
+    return way, x, y, dx, dy, dz, weight, found
+
+
+@kernel
 def trace_path(scene, source, point, flow, rng):
     """Follow one path and return the radiance it collects; `flow` gets where its weight went."""
     e, up, x, y, z, dx, dy, dz, lamp = _start(scene, source, point, rng)
@@ -154,37 +242,11 @@ def trace_path(scene, source, point, flow, rng):
         if e == count:
             flow[_UP] += weight
             return radiance + weight * scene.above
-        kind = scene.kind[e]
-        parameter = scene.parameter[e]
-        way = 1
-        before = weight
-        if kind == _CAVITY:
-            if lamp == NO_LAMP:
-                z = parameter[0]
-            x, y, dx, dy, dz, weight, found = _cavity(
-                parameter, scene.bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng
-            )
-            lamp = NO_LAMP
-            radiance += found
-            before = weight
-        elif kind == _SLAB:
-            way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
-            weight *= survival
-        elif kind == _SHEET:
-            passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
-            weight *= parameter[2]
-            way = 1 if passed == up else -1
-        elif kind == _BSDF:
-            passed, dx, dy, dz, survival = bsdf_passage(
-                scene.bsdf, int(parameter[0]), dx, dy, dz, rng
-            )
-            weight *= survival
-            way = 1 if passed == up else -1
-        else:
-            way, x, y, dx, dy, dz = film_passage(
-                scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
-            )
-        flow[_ELEMENTS + e] += before - weight
+        way, x, y, dx, dy, dz, weight, found = pass_element(
+            scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+        )
+        lamp = NO_LAMP
+        radiance += found
         if way == 0:
             flow[_LOST] += weight
             return radiance

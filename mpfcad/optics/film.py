@@ -2,13 +2,11 @@
 
 import math
 
-from mpfcad.optics.bvh import bvh_hit
-from mpfcad.optics.chain import chain_hit
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import uniform
+from mpfcad.optics.tile import next_facet
 
-_CHAIN = 0
 _MOST_HITS = 100_000
 
 
@@ -33,25 +31,9 @@ def film_passage(tile, index, index_below, offset, up, x, y, dx, dy, dz, rng):
         inside = True
         z = 0.0
     for _ in range(_MOST_HITS):
-        if tile.accelerator == _CHAIN:
-            # A chain repeats along y without end, so y needs no tile of its own.
-            k, distance, hit_x, hit_z, shift = chain_hit(
-                tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside
-            )
-            base_x += shift
-            nx, ny, nz = tile.chain.normal_x[k], 0.0, tile.chain.normal_z[k]
-            if k >= 0:
-                x, y, z = hit_x, y + distance * dy, hit_z
-            else:
-                x, z = hit_x, hit_z
-        else:
-            k, x, y, z, shift, shift_y = bvh_hit(
-                tile.bvh, (tile.width, tile.length), tile.low, tile.high,
-                x, y, z, dx, dy, dz, inside,
-            )  # fmt: skip
-            base_x += shift
-            base_y += shift_y
-            nx, ny, nz = tile.bvh.normal[k, 0], tile.bvh.normal[k, 1], tile.bvh.normal[k, 2]
+        k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(tile, x, y, z, dx, dy, dz, k, inside)
+        base_x += shift_x
+        base_y += shift_y
         if k == -2:
             return 0, x + base_x, y + base_y, dx, dy, dz
         if k >= 0:

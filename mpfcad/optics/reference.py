@@ -135,13 +135,17 @@ class ReferenceTracer:
             vertex = [tuple(map(float, v)) for v in films[0].mesh.vertex]
             self.facets = [[vertex[i] for i in facet] for facet in films[0].mesh.top]
 
-    def radiance(self, x: float, spot: float, acceptance: float, rng: Philox) -> float:
-        """Return the radiance that one path collects, seen from above at x [mm]."""
+    def radiance(
+        self, x: float, spot: float, acceptance: float, rng: Philox, *,
+        y: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0), spot_along: float = 0.0,
+    ) -> float:  # fmt: skip
+        """Return the radiance that one path collects, seen from above at (x, y) [mm].
+
+        `tilt` are the direction cosines of the meter's axis, (0, 0) for the normal.
+        """
         x += (rng() - 0.5) * spot
-        y = rng() * self.length
-        px, py = disk(rng)
-        kx, ky = acceptance * px, acceptance * py
-        place, d = (x, y, 0.0), (kx, ky, -math.sqrt(1 - kx * kx - ky * ky))
+        y += (rng() - 0.5) * (spot_along or self.length)
+        place, d = (x, y, 0.0), self._look(tilt, acceptance, disk(rng))
         weight, total = 1.0, 0.0
         number, up = len(self.elements) - 1, False
         while True:
@@ -160,6 +164,20 @@ class ReferenceTracer:
             if weight == 0:
                 return total
             number += 1 if up else -1
+
+    @staticmethod
+    def _look(tilt: tuple[float, float], acceptance: float, point: tuple[float, float]) -> Vector:
+        """Return a ray's direction in the cone: the normal's cone, turned onto the axis."""
+        sine = math.hypot(*tilt)
+        px, py = acceptance * point[0], acceptance * point[1]
+        d = (px, py, -math.sqrt(1 - px * px - py * py))
+        if sine == 0:
+            return d
+        # By Rodrigues' formula about the horizontal axis n across the tilt.
+        n = (tilt[1] / sine, -tilt[0] / sine, 0.0)
+        cosine, along, side = math.sqrt(1 - sine**2), dot(n, d), cross(n, d)
+        d = tuple(cosine * d[i] + sine * side[i] + (1 - cosine) * along * n[i] for i in range(3))
+        return (d[0], d[1], -abs(d[2]))
 
     @staticmethod
     def _roulette(weight: float, rng: Philox) -> float:

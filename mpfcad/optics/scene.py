@@ -15,13 +15,10 @@ from numpy.typing import NDArray
 from mpfcad.errors import TraceError
 from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
 from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.bvh import Bvh, build_bvh
-from mpfcad.optics.chain import Chain, build_chain
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.tile import NO_TILE, Tile, build_tile
 
 CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
-CHAIN, BVH = range(2)
-ACCELERATORS = ("chain", "bvh")
 _PARAMETERS = 10
 _NOT_NUMBERS = ("name", "table", "brdf", "blend")
 
@@ -153,18 +150,6 @@ class BsdfSheet:
 Element = Cavity | Slab | Sheet | Film | BsdfSheet
 
 
-class Tile(NamedTuple):
-    """A film tile as the kernels see it: its size, the z range of its top, both accelerators."""
-
-    width: float
-    length: float
-    low: float
-    high: float
-    accelerator: int
-    chain: Chain
-    bvh: Bvh
-
-
 class Scene(NamedTuple):
     """What the kernels read.
 
@@ -188,16 +173,6 @@ class Scene(NamedTuple):
     bsdf: BsdfArrays
     below: float
     above: float
-
-
-_NO_CHAIN = Chain(*(np.zeros(2),) * 2, *(np.zeros(1),) * 2, np.zeros(1, np.int64))
-_NO_BVH = Bvh(
-    np.zeros((1, 6)),
-    np.zeros((1, 2), np.int64),
-    np.ones(1, np.int64),
-    np.zeros((1, 9)),
-    np.zeros((1, 3)),
-)
 
 
 def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:
@@ -232,7 +207,7 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         elif isinstance(element, Cavity):
             values.append(-1.0)
         parameter[i, : len(values)] = values
-    tile = _tile(films[0]) if films else Tile(1.0, 1.0, 0.0, 1.0, CHAIN, _NO_CHAIN, _NO_BVH)
+    tile = build_tile(films[0].mesh, films[0].accelerator) if films else NO_TILE
     bsdf = build_bsdf(tables, blends)
     return Scene(kind, parameter, tile, bsdf, float(below), float(above))
 
@@ -242,17 +217,3 @@ def _parameters(element: Element) -> list[float]:
     if isinstance(element, Film):
         return [element.index, element.index_below, element.offset]
     return [float(v) for k, v in vars(element).items() if k not in _NOT_NUMBERS]
-
-
-def _tile(film: Film) -> Tile:
-    """Return the film's tile with the accelerator asked for, or the one that its mesh allows."""
-    mesh = film.mesh
-    z = mesh.vertex[np.unique(mesh.top), 2]
-    chain = build_chain(mesh) if film.accelerator in (None, "chain") else None
-    if chain is None and film.accelerator == "chain":
-        raise TraceError("accelerator chain: the mesh is not extruded along y")
-    bvh = build_bvh(mesh) if chain is None else _NO_BVH
-    accelerator = BVH if chain is None else CHAIN
-    width, length, _ = mesh.size
-    low, high = float(z.min()), float(z.max())
-    return Tile(width, length, low, high, accelerator, chain or _NO_CHAIN, bvh)

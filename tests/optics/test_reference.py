@@ -28,14 +28,19 @@ def stack(name, folder, accelerator=None):
     return [CAVITY, GROOVED, Film(mesh, 1.55, 1.49, accelerator=accelerator), TOP]
 
 
-def compare(elements, count, first=0, below=0.0, chaotic=0.0):
+def compare(elements, count, first=0, below=0.0, chaotic=0.0, tilt=(0.0, 0.0), acceptance=0.5):
     scene = build_scene(elements, below=below)
-    source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
+    source = Source(EYE, np.array([0.1]), 0.05, *tilt, acceptance, along=0.3, spot_along=0.01)
     engine = np.empty(count)
     single_paths(scene, source, 0, 1, first, engine, np.zeros(len(FLOWS) + len(elements)))
     oracle = ReferenceTracer(elements, below=below)
     expected = np.array(
-        [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(first, first + count)]
+        [
+            oracle.radiance(
+                0.1, 0.05, acceptance, Philox(1, EYE, p), y=0.3, tilt=tilt, spot_along=0.01
+            )
+            for p in range(first, first + count)
+        ]
     )
     assert expected.any()
     differs = np.abs(engine - expected) > 1e-9 * expected.max()
@@ -57,6 +62,11 @@ def test_layers_without_film_equal_the_oracle(layers):
 
 def test_a_film_that_is_no_extrusion_equals_the_oracle(tmp_path):
     compare([Film(crossed_mesh(tmp_path), 1.5)], 250, below=1.0)
+
+
+@pytest.mark.parametrize("tilt", [(0.3, 0.0), (-0.5, 0.7), (0.0, -0.95)])
+def test_a_tilted_meter_equals_the_oracle(tmp_path, tilt):
+    compare([Film(crossed_mesh(tmp_path), 1.5)], 150, below=1.0, tilt=tilt, acceptance=0.1)
 
 
 @pytest.mark.slow
