@@ -116,8 +116,8 @@ def _given_basis(path: Path, remarks: dict[str, str]) -> AngleBasis:
 
 def _by_bin(path, basis, isotropic, keys, angles, value) -> Matrices:
     """Return the matrices of rows that name bins by a direction in them."""
-    if isotropic and len(set(basis.azimuths.tolist())) > 1:
-        raise InputError(f"{path}: # azimuths: must all be the same where isotropic")
+    if isotropic and (len(set(basis.azimuths.tolist())) > 1 or basis.azimuths[0] % 2):
+        raise InputError(f"{path}: # azimuths: must all be the same and even where isotropic")
     sine, turn = np.sin(np.radians(angles)), np.radians(angles)
     leaving = basis.bin_of(sine[:, 2] * np.cos(turn[:, 3]), sine[:, 2] * np.sin(turn[:, 3]))
     coming = basis.bin_of(sine[:, 0] * np.cos(turn[:, 1]), sine[:, 0] * np.sin(turn[:, 1]))
@@ -189,10 +189,10 @@ def _azimuths(path: Path, azimuth: NDArray[np.float64]) -> int:
     even = len(azimuth) > 1 and azimuth[0] == 0 and np.ptp(step) < 1e-6
     around = 360 / step[0] if even else 0.0
     half, whole = abs(azimuth[-1] - 180) < 1e-6, even and abs(azimuth[-1] + step[0] - 360) < 1e-6
-    if not even or not (half or whole) or around < _LEAST_AZIMUTHS:
+    if not even or not (half or whole) or around < _LEAST_AZIMUTHS or round(around) % 2:
         raise InputError(
             f"{path}: scatter_azimuth_deg: {azimuth[0]:g} … {azimuth[-1]:g}: must be even steps of "
-            f"at most 90 over 0 … 180 (mirrored) or 0 … below 360"
+            f"at most 90 over 0 … 180 (mirrored) or, an even number, 0 … below 360"
         )
     return round(around)
 

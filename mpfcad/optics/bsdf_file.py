@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf_basis import AngleBasis
 from mpfcad.optics.bsdf_csv import bsdf_csv, read_bsdf_csv
-from mpfcad.optics.bsdf_table import ABOVE, BELOW, REFLECT, SIDES, TRANSMIT, BsdfTable
+from mpfcad.optics.bsdf_table import ABOVE, BELOW, SIDES, TRANSMIT, WAYS, BsdfTable
 from mpfcad.optics.bsdf_xml import klems_xml, read_klems
 from mpfcad.optics.bsdf_zemax import read_zemax
 from mpfcad.optics.bsdf_zemax_text import zemax_texts
@@ -21,8 +21,8 @@ _SUFFIXES = (".xml", ".csv", ".bsdf")
 def read_bsdf(path: Path | Sequence[Path], *, reciprocal: bool = False) -> BsdfTable:
     """Return the checked table of one file, or of several `.bsdf` files of one element.
 
-    What the files do not hold is filled in, each with a note: transmission from the other side by
-    reciprocity, reflection from the other side as from this one, a way that is nowhere as 0.
+    What the files do not hold is filled in, each with a note: from a side not measured the same as
+    from the other (transmission of an anisotropic table by reciprocity), a way that is nowhere 0.
     `reciprocal` claims that the element is: it is checked, and the table made exactly so.
 
     Raises
@@ -63,14 +63,17 @@ def _filled_in(
         value[way, side] = matrix
     notes = list(note)
     for side, other in ((BELOW, ABOVE), (ABOVE, BELOW)):
-        if (TRANSMIT, side) not in found and (TRANSMIT, other) in found:
-            back = BsdfTable(name, basis, isotropic, value).reversed_value()
-            value[TRANSMIT, side] = back[TRANSMIT, side]
-            notes.append(f"transmission from {SIDES[side]}: by reciprocity from the other side")
-        if (REFLECT, side) not in found and (REFLECT, other) in found:
-            value[REFLECT, side] = value[REFLECT, other]
-            notes.append(f"reflection from {SIDES[side]}: taken as from {SIDES[other]}")
-    for way, word in ((TRANSMIT, "transmission"), (REFLECT, "reflection")):
+        for way, word in enumerate(WAYS):
+            if (way, side) in found or (way, other) not in found:
+                continue
+            if way == TRANSMIT and not isotropic:
+                back = BsdfTable(name, basis, isotropic, value).reversed_value()
+                value[way, side] = back[way, side]
+                notes.append(f"{word} from {SIDES[side]}: by reciprocity from the other side")
+            else:
+                value[way, side] = value[way, other]
+                notes.append(f"{word} from {SIDES[side]}: taken as from {SIDES[other]}")
+    for way, word in enumerate(WAYS):
         if not any(key[0] == way for key in found):
             notes.append(f"{word}: not in the file, taken as 0")
     return BsdfTable(name, basis, isotropic, value, tuple(notes))

@@ -9,6 +9,9 @@ from mpfcad.optics.bsdf_rebin import bin_shares, bsdf_at
 from mpfcad.optics.bsdf_table import REFLECT, SIDES, TRANSMIT, BsdfTable
 from mpfcad.optics.bsdf_zemax import ANGLES
 
+#: How far below the horizon (direction cosine) values are still written: more than a step.
+_MARGIN = 0.2
+
 
 def zemax_texts(table: BsdfTable, stem: str) -> dict[str, str]:
     """Return the files of a table, one for each way and side that is not dark."""
@@ -43,8 +46,13 @@ def _zemax_text(table: BsdfTable, way: int, side: int, kind: str) -> str:
             incident = np.sin(theta) * np.array([np.cos(turn), np.sin(turn)])
             direction = leaving_direction(theta, a, r)
             leaving = _turned(direction[:2], turn).reshape(2, -1).T
+            # Grid points just below the horizon carry the horizon's value, so that what is read
+            # between them and those above is not too dark.
+            size = np.linalg.norm(leaving, axis=1, keepdims=True)
+            under = direction[2].reshape(-1, 1) <= 0
+            leaving = np.where(under, leaving / np.maximum(size, 1e-12), leaving)
             value = bsdf_at(table, way, side, incident, leaving).reshape(a.shape)
-            value = np.where(direction[2] > 0, value, 0.0)
+            value = np.where(direction[2] > -_MARGIN, value, 0.0)
             lines.append(f"TIS {_energy_at(table, way, side, incident):.9g}")
             lines += ["\t".join(f"{v:.6e}" for v in row) for row in value]
     return "\n".join([*lines, "DataEnd", ""])
