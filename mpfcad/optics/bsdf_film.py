@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from mpfcad.errors import TraceError
 from mpfcad.optics.bsdf_basis import AngleBasis
 from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.cavity import NO_LAMP
+from mpfcad.optics.engine import pass_element
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import RNG_SIZE, start_path, uniform
 from mpfcad.optics.scene import Film, build_scene
 
@@ -78,14 +80,17 @@ def trace_film_bsdf(
     TraceError
         when more than 1e-6 of the rays are lost.
     """
-    tile = build_scene([Film(mesh, index)]).tile
+    scene = build_scene([Film(mesh, index)])
+    width, length, _ = mesh.size
     count = basis.count
     number = np.zeros((2, count, 2 * count + 1), np.int64)
-    shape = (basis.sin2_edge, basis.azimuths, basis.first, basis.ring)
+    bins = (basis.sin2_edge, basis.azimuths, basis.first, basis.ring)
 
     def one(side: int, i: int) -> None:
-        _trace_bin(tile, index, shape, side, i, rays, np.uint64(seed),
-                   np.zeros(RNG_SIZE, np.uint64), number[side, i])  # fmt: skip
+        rng, flow = np.zeros(RNG_SIZE, np.uint64), np.zeros(len(FLOWS) + 1)
+        _trace_bin(
+            scene, (width, length), bins, side, i, rays, np.uint64(seed), rng, flow, number[side, i]
+        )
 
     with ThreadPoolExecutor(threads) as pool:
         jobs = [pool.submit(one, side, i) for side in (0, 1) for i in range(count)]
@@ -107,24 +112,23 @@ def trace_film_bsdf(
 
 
 @njit(nogil=True, cache=True, error_model="numpy")
-def _trace_bin(tile, index, basis, side, i, rays, seed, rng, number):
+def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
     """Trace rays from incidence bin i; number (2n+1,) gets how many left where, lost ones last."""
-    edge, azimuths, first, ring_of = basis
+    edge, azimuths, first, ring_of = bins
     ring = ring_of[i]
     count = first[-1]
     up = side == 0
     for ray in range(rays):
         start_path(rng, seed, uint64(_STREAM), uint64((2 * i + side) * rays + ray))
-        x, y = uniform(rng) * tile.width, uniform(rng) * tile.length
+        x, y = uniform(rng) * size[0], uniform(rng) * size[1]
         sin2 = edge[ring] + (edge[ring + 1] - edge[ring]) * uniform(rng)
         place = i - first[ring] - 0.5 + uniform(rng)
         angle = 2.0 * math.pi * place / azimuths[ring]
-        sine = math.sqrt(sin2)
-        dz = math.sqrt(max(1e-12, 1.0 - sin2))
-        way, x, y, dx, dy, dz = film_passage(
-            tile, index, 1.0, 0.0, up, x, y,
-            sine * math.cos(angle), sine * math.sin(angle), dz if up else -dz, rng,
-        )  # fmt: skip
+        kx, ky = math.sqrt(sin2) * math.cos(angle), math.sqrt(sin2) * math.sin(angle)
+        kz = math.sqrt(max(1e-12, 1.0 - sin2))
+        way, x, y, dx, dy, _, _, _ = pass_element(
+            scene, 0, up, x, y, 0.0, kx, ky, kz if up else -kz, NO_LAMP, 1.0, flow, rng
+        )
         if way == 0:
             number[2 * count] += 1
             continue

@@ -25,11 +25,11 @@ def rebin(table: BsdfTable, basis: AngleBasis) -> BsdfTable:
     table = expand_isotropic(table)
     if table.basis.is_same(basis):
         return replace(table, basis=basis)
-    share = _overlap(basis, table.basis) / basis.projected[:, None]
+    share = overlap(basis, table.basis) / basis.projected[:, None]
     return replace(table, basis=basis, value=share @ table.value @ share.T)
 
 
-def _overlap(first: AngleBasis, second: AngleBasis) -> NDArray[np.float64]:
+def overlap(first: AngleBasis, second: AngleBasis) -> NDArray[np.float64]:
     """Return the projected solid angle that two bases' bins share, (n1, n2) float64 [sr]."""
     low = np.maximum(first.sin2_edge[:-1, None], second.sin2_edge[None, :-1])
     high = np.minimum(first.sin2_edge[1:, None], second.sin2_edge[None, 1:])
