@@ -5,7 +5,17 @@ A `Stack` is a list of layers from the lamps up and a table of numbers, each tag
 user's own.
 """
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
 from mpfcad.backlight.reader import list_stacks, read_stack
 from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
 
-__all__ = ["LAYERS", "RANGES", "Quantity", "Stack", "list_stacks", "read_stack"]
+__all__ = [
+    "LAYERS",
+    "RANGES",
+    "BsdfLayer",
+    "Quantity",
+    "Stack",
+    "list_stacks",
+    "read_stack",
+    "restore_bsdf_layer",
+]

@@ -4,11 +4,12 @@ import math
 import tomllib
 from pathlib import Path
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
 from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
 from mpfcad.errors import InputError
 
 _PRESETS = Path(__file__).parent / "preset"
-_KEYS = {"schema", "extends", "title", "layers", "value"}
+_KEYS = {"schema", "extends", "title", "layers", "reflector", "value"}
 _TAGS = ("given", "sourced", "assumed")
 
 
@@ -32,7 +33,7 @@ def read_stack(
         when the file, a key, a layer or a value is wrong; the text names it and the allowed range.
     """
     where = str(name)
-    title, layers, quantity = _read(name, set())
+    title, layers, quantity, reflector = _read(name, set())
     given = dict(overrides or {})
     if thickness is not None:
         given["thickness_mm"] = thickness
@@ -41,14 +42,17 @@ def read_stack(
     missing = [key for key in RANGES if key not in quantity]
     if missing:
         raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
-    _check_layers(where, layers)
-    stack = Stack(Path(where).stem, title, tuple(layers), quantity)
+    names = _check_layers(where, layers)
+    tables = tuple(layer for layer in layers if isinstance(layer, BsdfLayer))
+    stack = Stack(Path(where).stem, title, tuple(names), quantity, tables, reflector)
     _check_fits(where, stack)
     return stack
 
 
-def _read(name: str | Path, seen: set[str]) -> tuple[str, list[str], dict[str, Quantity]]:
-    """Return (title, layers, quantities) of a preset or file with what it extends."""
+def _read(
+    name: str | Path, seen: set[str]
+) -> tuple[str, list[str | BsdfLayer], dict[str, Quantity], BsdfLayer | None]:
+    """Return (title, layers, quantities, reflector) of a preset or file with what it extends."""
     path = _find(name)
     where = str(name)
     if str(path) in seen:
@@ -60,11 +64,11 @@ def _read(name: str | Path, seen: set[str]) -> tuple[str, list[str], dict[str, Q
     unknown = sorted(set(table) - _KEYS)
     if unknown:
         raise InputError(f"{where}: {unknown[0]}: unknown key; allowed: {', '.join(sorted(_KEYS))}")
-    title, layers, quantity = where, [], {}
+    title, layers, quantity, reflector = where, [], {}, None
     if "extends" in table:
         base = str(table["extends"])
         beside = path.parent / base
-        title, layers, quantity = _read(
+        title, layers, quantity, reflector = _read(
             beside if beside.suffix == ".toml" and beside.is_file() else base, seen | {str(path)}
         )
     values = table.get("value", {})
@@ -72,7 +76,26 @@ def _read(name: str | Path, seen: set[str]) -> tuple[str, list[str], dict[str, Q
         raise InputError(f"{where}: value: {values!r}: must be a table")
     for key, value in values.items():
         quantity[key] = _quantity(f"{where}: value", key, value)
-    return str(table.get("title", title)), table.get("layers", layers), quantity
+    if "layers" in table:
+        layers = _with_tables(where, path.parent, table["layers"])
+    if "reflector" in table:
+        entry = table["reflector"]
+        if not isinstance(entry, dict):
+            raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
+        reflector = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
+    return str(table.get("title", title)), layers, quantity, reflector
+
+
+def _with_tables(where: str, folder: Path, layers: object) -> list[str | BsdfLayer]:
+    """Return the layers, BSDF tables read."""
+    if not isinstance(layers, list):
+        raise InputError(f"{where}: layers: {layers}: must list layers from the lamps up")
+    return [
+        read_bsdf_layer(f"{where}: layers[{i}]", folder, entry)
+        if isinstance(entry, dict)
+        else entry
+        for i, entry in enumerate(layers)
+    ]
 
 
 def _find(name: str | Path) -> Path:
@@ -109,20 +132,26 @@ def _quantity(where: str, key: str, entry: object) -> Quantity:
     return Quantity(value, tag, source)
 
 
-def _check_layers(where: str, layers: object) -> None:
-    if not isinstance(layers, list) or not layers:
+def _check_layers(where: str, entries: list[str | BsdfLayer]) -> list[str]:
+    """Return the layers' names after checking them."""
+    layers = ["bsdf" if isinstance(entry, BsdfLayer) else entry for entry in entries]
+    if not layers:
         raise InputError(f"{where}: layers: {layers}: must list layers from the lamps up")
-    for layer in layers:
-        if layer not in LAYERS:
-            raise InputError(f"{where}: layers: {layer}: must be one of {', '.join(LAYERS)}")
+    for layer, entry in zip(layers, entries, strict=True):
+        if layer not in LAYERS or entry == "bsdf":
+            raise InputError(
+                f"{where}: layers: {layer}: must be one of {', '.join(LAYERS)}; a bsdf is a table "
+                '{ kind = "bsdf", file = … }'
+            )
     films = [layer for layer in layers if layer.endswith("film")]
-    if len(films) != 1:
+    if len(films) > 1 or not (films or "bsdf" in layers):
         raise InputError(f"{where}: layers: {len(films)} films: must be exactly one")
-    at = layers.index(films[0])
-    if films[0] == "bonded_film" and (at == 0 or not layers[at - 1].endswith("_plate")):
+    at = layers.index(films[0]) if films else 0
+    if films == ["bonded_film"] and (at == 0 or not layers[at - 1].endswith("_plate")):
         raise InputError(f"{where}: layers: bonded_film: must lie directly on a plate")
     if sum(layer.endswith("_plate") for layer in layers) > 1:
         raise InputError(f"{where}: layers: more than one plate: at most one")
+    return layers
 
 
 def _check_fits(where: str, stack: Stack) -> None:

@@ -4,8 +4,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer
+from mpfcad.errors import InputError
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 
 Tag = Literal["given", "sourced", "assumed"]
 
@@ -17,6 +19,7 @@ LAYERS = {
     "film": "film",
     "bonded_film": "film bonded on the plate",
     "top_sheet": "top diffuser sheet",
+    "bsdf": "element by its BSDF table",
 }
 
 _TINY = 1e-6
@@ -66,15 +69,21 @@ class Stack:
     name, title
         the preset's or file's name; one line in words
     layers
-        from the lamps up, names of `LAYERS`; exactly one is a film
+        from the lamps up, names of `LAYERS`; one is a film, or none where one is a table
     quantity
         one entry for each name of `RANGES`
+    tables
+        the tables of the `bsdf` layers, in their order
+    reflector
+        a table in the place of the reflector's two values
     """
 
     name: str
     title: str
     layers: tuple[str, ...]
     quantity: dict[str, Quantity]
+    tables: tuple[BsdfLayer, ...] = ()
+    reflector: BsdfLayer | None = None
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -115,17 +124,43 @@ class Stack:
         return replace(self, quantity={**self.quantity, **values})
 
     def inputs(self) -> list[dict[str, object]]:
-        """Return each number as {name, value, tag, source}, in the order of `RANGES`."""
-        return [
+        """Return each input as {name, value, tag, source}: numbers as in `RANGES`, then tables."""
+        numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
             for k, q in ((k, self.quantity[k]) for k in RANGES)
         ]
+        named = [(f"bsdf.{i}", layer) for i, layer in enumerate(self.tables, 1)]
+        if self.reflector is not None:
+            named.append(("reflector", self.reflector))
+        return numbers + [
+            {
+                "name": name,
+                "value": layer.name,
+                "tag": layer.tag,
+                "source": "; ".join((f"{layer.source}, SHA-256 {layer.sha256}", *layer.table.note)),
+            }
+            for name, layer in named
+        ]
 
-    def elements(self, mesh: FilmMesh, offset: float = 0.0) -> list[Element]:
+    @property
+    def has_film(self) -> bool:
+        """Whether the stack has a slot for a film mesh."""
+        return any(layer.endswith("film") for layer in self.layers)
+
+    def elements(self, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
         """Return the traced elements from the bottom up; x = 0 is a lamp's axis.
 
         `offset` [mm] is the x of the film tile's left edge.
+
+        Raises
+        ------
+        InputError
+            when there is a mesh and no film in the stack, or a film and no mesh.
         """
+        if self.has_film != (mesh is not None):
+            what = "its film needs a mesh" if self.has_film else "has no film: allowed is no mesh"
+            raise InputError(f"stack {self.name}: {what}")
+        tables = iter(self.tables)
         bonded = "bonded_film" in self.layers
         elements: list[Element] = [self._cavity()]
         for layer in self.layers:
@@ -134,6 +169,9 @@ class Stack:
                     elements.append(self._plate(layer == "diffusing_plate", bonded))
                 case "bottom_sheet" | "top_sheet":
                     elements.append(self._sheet(layer))
+                case "bsdf":
+                    layer = next(tables)
+                    elements.append(BsdfSheet(layer.table, layer.blend, layer.name))
                 case _:
                     below = self["plate_index"] if bonded else 1.0
                     elements.append(Film(mesh, self["film_index"], below, offset))
@@ -151,6 +189,8 @@ class Stack:
             reflectance=self["reflector_reflectance"],
             specular_fraction=self["reflector_specular_fraction"],
             name="reflector",
+            brdf=self.reflector.table if self.reflector else None,
+            blend=self.reflector.blend if self.reflector else 1.0,
         )
 
     def _plate(self, diffusing: bool, bonded: bool) -> Slab:

@@ -53,7 +53,7 @@ class LuminanceResult:
 
 def luminance_over_pitch(
     stack: Stack,
-    mesh_path: Path,
+    mesh_path: Path | None,
     *,
     offset: float = 0.0,
     seed: int = 1,
@@ -63,6 +63,8 @@ def luminance_over_pitch(
     progress: Callable[[int, float], None] | None = None,
 ) -> LuminanceResult:
     """Return the luminance over one lamp pitch of a film mesh, read from disk, in a stack.
+
+    `mesh_path` is None for a stack without film, that of a BSDF table in its place.
 
     Traces rounds of paths until the 95 % half-width of the contrast reaches `half_width_goal` or
     `path_limit` paths are traced. `offset` [mm] is the film tile's left edge from a lamp's axis.
@@ -82,7 +84,8 @@ def luminance_over_pitch(
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.tile import ACCELERATORS
 
-    elements = stack.elements(read_film_mesh(mesh_path), offset)
+    mesh = None if mesh_path is None else read_film_mesh(mesh_path)
+    elements = stack.elements(mesh, offset)
     scene = build_scene(elements)
     position = np.linspace(0, 1, POINTS)
     source = Source(

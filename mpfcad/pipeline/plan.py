@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.backlight import Quantity, Stack, read_stack, restore_bsdf_layer
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
@@ -170,13 +170,18 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "title": stack.title,
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
+        "tables": [layer.describe() for layer in stack.tables],
+        "reflector": stack.reflector.describe() if stack.reflector else None,
     }
 
 
 def restore_stack(document: dict[str, Any]) -> Stack:
     """Return the stack that `describe_stack` has described."""
     quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
-    return Stack(document["name"], document["title"], tuple(document["layers"]), quantity)
+    tables = tuple(map(restore_bsdf_layer, document["tables"]))
+    reflector = document["reflector"] and restore_bsdf_layer(document["reflector"])
+    layers = tuple(document["layers"])
+    return Stack(document["name"], document["title"], layers, quantity, tables, reflector)
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
@@ -257,9 +262,12 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
     file = job.stack.file
     source = job.stack.preset if file is None else job_file.parent / file
     try:
-        return read_stack(source, thickness=job.stack.thickness, overrides=overrides)
+        stack = read_stack(source, thickness=job.stack.thickness, overrides=overrides)
     except InputError as error:
         raise InputError(f"{job_file}: {error}") from None
+    if not stack.has_film:
+        raise InputError(f"{job_file}: stack: {source}: has no film: a job needs one to make")
+    return stack
 
 
 def read_job_process(

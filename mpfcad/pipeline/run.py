@@ -151,7 +151,7 @@ def make_cad(
 
 
 def trace_mesh(
-    mesh: Path,
+    mesh: Path | None,
     stack: str,
     thickness: float | None,
     offset: float,
@@ -160,7 +160,7 @@ def trace_mesh(
     threads: int | None,
     progress: Progress = SILENT,
 ) -> dict[str, Any]:
-    """Trace any closed film mesh in a stack; return the figures.
+    """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
     edge from a lamp's axis [mm].
@@ -175,12 +175,13 @@ def trace_mesh(
     from mpfcad.measure import luminance_over_pitch
     from mpfcad.report import describe_luminance
 
-    if not mesh.is_file():
+    if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
-    progress.stage(f"tracing {mesh}")
+    whole = read_stack(stack, thickness=thickness)
+    progress.stage(f"tracing {mesh or stack}")
     result = luminance_over_pitch(
-        read_stack(stack, thickness=thickness),
+        whole,
         mesh,
         offset=offset,
         seed=seed,
@@ -189,5 +190,7 @@ def trace_mesh(
         threads=threads or available_threads(),
         progress=progress.trace,
     )
-    traced = {"file": mesh.name, "sha256": sha256(mesh), "stack": str(stack), "seed": seed}
+    film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
+    tables = [{"file": entry.name, "sha256": entry.sha256} for entry in whole.tables]
+    traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

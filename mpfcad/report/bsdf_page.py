@@ -71,7 +71,7 @@ def energy_figure(table: BsdfTable) -> "go.Figure":
             shared = {"row": 1, "col": side + 1, "legendgroup": WAYS[way]}
             figure.add_scatter(
                 x=[*polar, *polar[::-1]], y=np.round([*high, *low[::-1]], 6).tolist(),
-                fill="toself", line={"width": 0}, fillcolor=colour, opacity=0.2,
+                fill="toself", mode="lines", line={"width": 0}, fillcolor=colour, opacity=0.2,
                 hoverinfo="skip", showlegend=False, **shared,
             )  # fmt: skip
             figure.add_scatter(
