@@ -137,6 +137,8 @@ def klems_xml(table: BsdfTable) -> str:
     material = _add(layer, "Material")
     _add(material, "Name", table.name)
     _add(material, "Manufacturer", "mpfcad")
+    # WINDOW's parser refuses a material without thickness; a table stands for a thin element.
+    _add(material, "Thickness", "0").set("unit", "Millimeter")
     _add(material, "DeviceType", "Other")
     definition = _add(layer, "DataDefinition")
     _add(definition, "IncidentDataStructure", "Columns")
