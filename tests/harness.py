@@ -7,7 +7,7 @@ from numba import njit, uint64
 
 from mpfcad.optics.bsdf import bsdf_passage
 from mpfcad.optics.engine import trace_path
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.film import film_passage, placed_film_passage
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.sheet import sheet_passage
@@ -125,7 +125,7 @@ def pass_layers(scene, enter_below, seed, out):
         start_path(rng, uint64(seed), uint64(7), uint64(i))
         dx, dy = disk(rng)
         dz = np.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
-        x, y = 0.37 * scene.tile.width, 0.41 * scene.tile.length
+        x, y = 0.37 * scene.tiles.size[0, 0], 0.41 * scene.length
         shift_x, shift_y = disk(rng)
         x, y = x + 7.0 * shift_x, y + 7.0 * shift_y
         up, e, weight = True, 0, 1.0
@@ -135,7 +135,9 @@ def pass_layers(scene, enter_below, seed, out):
             way = 1
             p = scene.parameter[e]
             if scene.kind[e] == 1:
-                way, x, y, dx, dy, dz, kept = slab_passage(p, up, x, y, dx, dy, dz, rng)
+                way, x, y, dx, dy, dz, kept = slab_passage(
+                    scene.phase, p, up, x, y, dx, dy, dz, rng
+                )
                 weight *= kept
             elif scene.kind[e] == 2:
                 passed, dx, dy, dz = sheet_passage(p[0], p[1], dx, dy, dz, rng)
@@ -146,8 +148,8 @@ def pass_layers(scene, enter_below, seed, out):
                 weight *= kept
                 way = 1 if passed == up else -1
             else:
-                way, x, y, dx, dy, dz = film_passage(
-                    scene.tile, p[0], p[1], p[2], up, x, y, dx, dy, dz, rng
+                way, x, y, dx, dy, dz = placed_film_passage(
+                    scene.tiles, scene.phase, p, up, x, y, dx, dy, dz, rng
                 )
             if way == 0:
                 break
@@ -158,13 +160,16 @@ def pass_layers(scene, enter_below, seed, out):
 
 
 @njit(cache=True)
-def pass_film(tile, index, up, start, seed, out):
+def pass_film(tiles, index, up, start, seed, out):
     """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
     rng = np.zeros(RNG_SIZE, np.uint64)
+    film = np.zeros(12)
+    film[0], film[1] = index, 1.0
+    phase = np.zeros((1, 2))
     for i in range(len(start)):
         start_path(rng, uint64(seed), uint64(8), uint64(i))
         x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
-        way, x, y, dx, dy, dz = film_passage(tile, index, 1.0, 0.0, up, x, y, dx, dy, dz, rng)
+        way, x, y, dx, dy, dz = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, rng)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
 
 

@@ -6,16 +6,20 @@ user's own.
 """
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
+from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.quantity import RANGES, Quantity
 from mpfcad.backlight.reader import list_stacks, read_stack
-from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
+from mpfcad.backlight.stack import Stack, stack_file
 
 __all__ = [
     "LAYERS",
     "RANGES",
     "BsdfLayer",
+    "Layer",
     "Quantity",
     "Stack",
     "list_stacks",
     "read_stack",
     "restore_bsdf_layer",
+    "stack_file",
 ]

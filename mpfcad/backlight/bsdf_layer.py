@@ -11,7 +11,7 @@ from mpfcad.optics.bsdf_file import read_bsdf
 from mpfcad.optics.bsdf_table import BsdfTable
 
 _INTERPOLATION = {"linear": 1.0, "none": 0.0}
-_KEYS = {"kind", "file", "reciprocal", "interpolation", "tag", "source"}
+_KEYS = {"kind", "name", "file", "reciprocal", "interpolation", "tag", "source"}
 _TAGS = ("given", "sourced", "assumed")
 
 
@@ -45,6 +45,11 @@ class BsdfLayer:
     def sha256(self) -> str:
         """Hash of the files' text, one behind the other."""
         return hashlib.sha256("".join(self.text.values()).encode()).hexdigest()
+
+    def describe_source(self) -> dict[str, object]:
+        """Return {value, tag, source} as of a number: the file, its hash, what was filled in."""
+        source = "; ".join((f"{self.source}, SHA-256 {self.sha256}", *self.table.note))
+        return {"value": self.name, "tag": self.tag, "source": source}
 
     def describe(self) -> dict[str, object]:
         """Return the layer as plain values; `restore_bsdf_layer` makes it again of them."""

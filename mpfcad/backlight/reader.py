@@ -1,16 +1,33 @@
 """Reads a stack from a preset or a TOML file and checks every number."""
 
-import math
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
-from mpfcad.backlight.stack import LAYERS, RANGES, Quantity, Stack
+from mpfcad.backlight.check import check_fits, check_layers
+from mpfcad.backlight.derive import derive
+from mpfcad.backlight.layer import read_layer
+from mpfcad.backlight.quantity import RANGES, read_quantity
+from mpfcad.backlight.stack import EXTENTS, Stack
 from mpfcad.errors import InputError
 
 _PRESETS = Path(__file__).parent / "preset"
-_KEYS = {"schema", "extends", "title", "layers", "reflector", "value"}
-_TAGS = ("given", "sourced", "assumed")
+_KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector"}
+
+
+@dataclass
+class _Text:
+    """What a file and those it extends state: layers beside `folder`, values by name."""
+
+    title: str
+    layers: object = field(default_factory=list)
+    folder: Path = Path()
+    extent: object = "pitch"
+    value: dict[str, tuple[str, object]] = field(default_factory=dict)
+    table: dict[str, BsdfLayer] = field(default_factory=dict)
 
 
 def list_stacks() -> list[Stack]:
@@ -19,13 +36,13 @@ def list_stacks() -> list[Stack]:
 
 
 def read_stack(
-    name: str | Path, thickness: float | None = None, overrides: dict[str, float] | None = None
+    name: str | Path, thickness: float | None = None, overrides: dict[str, Any] | None = None
 ) -> Stack:
     """Return a stack by preset name or from a TOML file, with values of the job's own on top.
 
-    A file has `title`, `layers` (from the lamps up), `extends` (a preset or another file beside it)
-    and a table `[value]` of `name = number` (tagged `given`) or `name = {value, tag, source}`.
-    `thickness` [mm] and `overrides` (names with unit suffix) are tagged `given`.
+    A file has `title`, `layers` (from the lamps up), `extent`, `extends` (a preset or another file
+    beside it) and a table `[value]` of `name = number` (tagged `given`) or `name = {value, tag,
+    source}`. `thickness` [mm] and `overrides` (names with unit suffix, or `extent`) are `given`.
 
     Raises
     ------
@@ -33,26 +50,61 @@ def read_stack(
         when the file, a key, a layer or a value is wrong; the text names it and the allowed range.
     """
     where = str(name)
-    title, layers, quantity, reflector = _read(name, set())
+    text = _read(name, set())
     given = dict(overrides or {})
+    if "extent" in given:
+        text.extent = given.pop("extent")
     if thickness is not None:
         given["thickness_mm"] = thickness
-    for key, value in given.items():
-        quantity[key] = _quantity(f"{where}: stack.override", key, value)
+    text.value.update(_flat(f"{where}: stack.override", given))
+    if text.extent not in EXTENTS:
+        raise InputError(f"{where}: extent: {text.extent}: must be one of {', '.join(EXTENTS)}")
+    layers, own = _read_layers(where, text)
+    quantity = {key: read_quantity(at, key, entry, own) for key, (at, entry) in text.value.items()}
     missing = [key for key in RANGES if key not in quantity]
     if missing:
         raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
-    names = _check_layers(where, layers)
-    tables = tuple(layer for layer in layers if isinstance(layer, BsdfLayer))
-    stack = Stack(Path(where).stem, title, tuple(names), quantity, tables, reflector)
-    _check_fits(where, stack)
+    stack = Stack(
+        Path(where).stem, text.title, layers, quantity, text.extent, own, tables=text.table
+    )
+    check_layers(where, stack)
+    stack = derive(where, stack)
+    check_fits(where, stack)
     return stack
 
 
-def _read(
-    name: str | Path, seen: set[str]
-) -> tuple[str, list[str | BsdfLayer], dict[str, Quantity], BsdfLayer | None]:
-    """Return (title, layers, quantities, reflector) of a preset or file with what it extends."""
+def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """Return the layers' names and those with values of their own, whose values join `text`'s."""
+    if not isinstance(text.layers, list) or not text.layers:
+        raise InputError(f"{where}: layers: {text.layers}: must list layers from the lamps up")
+    names, own, values = [], {}, {}
+    for place, entry in enumerate(text.layers, 1):
+        name, layer, given = read_layer(where, entry, place, text.folder)
+        if layer is not None:
+            if name in names:
+                raise InputError(f"{where}: layers: {name}: name: must be there once")
+            own[name] = layer
+            if layer.kind == "bsdf":
+                text.table[name] = read_bsdf_layer(f"{where}: layers: {name}", text.folder, entry)
+        names.append(name)
+        values.update(_flat(f"{where}: layers", {name: given}) if given else {})
+    text.value = {**values, **text.value}
+    return tuple(names), own
+
+
+def _flat(where: str, values: Mapping[str, Any]) -> dict[str, tuple[str, object]]:
+    """Return values with those of tables of a layer's own as `layer.value`."""
+    flat = {}
+    for key, entry in values.items():
+        if isinstance(entry, Mapping) and "value" not in entry and not {"tag", "source"} & {*entry}:
+            flat.update({f"{key}.{inner}": (where, value) for inner, value in entry.items()})
+        else:
+            flat[key] = (where, entry)
+    return flat
+
+
+def _read(name: str | Path, seen: set[str]) -> _Text:
+    """Return what a preset or file states, with what it extends."""
     path = _find(name)
     where = str(name)
     if str(path) in seen:
@@ -64,38 +116,27 @@ def _read(
     unknown = sorted(set(table) - _KEYS)
     if unknown:
         raise InputError(f"{where}: {unknown[0]}: unknown key; allowed: {', '.join(sorted(_KEYS))}")
-    title, layers, quantity, reflector = where, [], {}, None
+    text = _Text(where)
     if "extends" in table:
         base = str(table["extends"])
         beside = path.parent / base
-        title, layers, quantity, reflector = _read(
+        text = _read(
             beside if beside.suffix == ".toml" and beside.is_file() else base, seen | {str(path)}
         )
     values = table.get("value", {})
     if not isinstance(values, dict):
         raise InputError(f"{where}: value: {values!r}: must be a table")
-    for key, value in values.items():
-        quantity[key] = _quantity(f"{where}: value", key, value)
+    text.value.update(_flat(f"{where}: value", values))
     if "layers" in table:
-        layers = _with_tables(where, path.parent, table["layers"])
+        text.layers, text.folder = table["layers"], path.parent
     if "reflector" in table:
         entry = table["reflector"]
         if not isinstance(entry, dict):
             raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
-        reflector = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
-    return str(table.get("title", title)), layers, quantity, reflector
-
-
-def _with_tables(where: str, folder: Path, layers: object) -> list[str | BsdfLayer]:
-    """Return the layers, BSDF tables read."""
-    if not isinstance(layers, list):
-        raise InputError(f"{where}: layers: {layers}: must list layers from the lamps up")
-    return [
-        read_bsdf_layer(f"{where}: layers[{i}]", folder, entry)
-        if isinstance(entry, dict)
-        else entry
-        for i, entry in enumerate(layers)
-    ]
+        text.table["reflector"] = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
+    text.title = str(table.get("title", text.title))
+    text.extent = table.get("extent", text.extent)
+    return text
 
 
 def _find(name: str | Path) -> Path:
@@ -109,70 +150,3 @@ def _find(name: str | Path) -> Path:
         known = ", ".join(sorted(p.stem for p in _PRESETS.glob("*-*-*.toml")))
         raise InputError(f"stack: {name}: no such preset; known: {known}; a file ends in .toml")
     return preset
-
-
-def _quantity(where: str, key: str, entry: object) -> Quantity:
-    """Return a checked quantity from a number or a {value, tag, source} table."""
-    if key not in RANGES:
-        raise InputError(f"{where}.{key}: unknown value; allowed: {', '.join(RANGES)}")
-    tag, source, value = "given", "given by the user", entry
-    if isinstance(entry, dict):
-        if set(entry) - {"value", "tag", "source"} or "value" not in entry:
-            raise InputError(f"{where}.{key}: {entry}: allowed keys: value, tag, source")
-        value = entry["value"]
-        tag, source = entry.get("tag", tag), str(entry.get("source", source))
-    if tag not in _TAGS:
-        raise InputError(f"{where}.{key}: tag {tag!r}: must be one of {', '.join(_TAGS)}")
-    low, high = RANGES[key]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not math.isfinite(value) or not low <= value <= high:
-        raise InputError(f"{where}.{key}: {value}: must be a number in {low:g} … {high:g}")
-    if key == "lamp_count" and value != int(value):
-        raise InputError(f"{where}.{key}: {value}: must be a whole number")
-    return Quantity(value, tag, source)
-
-
-def _check_layers(where: str, entries: list[str | BsdfLayer]) -> list[str]:
-    """Return the layers' names after checking them."""
-    layers = ["bsdf" if isinstance(entry, BsdfLayer) else entry for entry in entries]
-    if not layers:
-        raise InputError(f"{where}: layers: {layers}: must list layers from the lamps up")
-    for layer, entry in zip(layers, entries, strict=True):
-        if layer not in LAYERS or entry == "bsdf":
-            raise InputError(
-                f"{where}: layers: {layer}: must be one of {', '.join(LAYERS)}; a bsdf is a table "
-                '{ kind = "bsdf", file = … }'
-            )
-    films = [layer for layer in layers if layer.endswith("film")]
-    if len(films) > 1 or not (films or "bsdf" in layers):
-        raise InputError(f"{where}: layers: {len(films)} films: must be exactly one")
-    at = layers.index(films[0]) if films else 0
-    if films == ["bonded_film"] and (at == 0 or not layers[at - 1].endswith("_plate")):
-        raise InputError(f"{where}: layers: bonded_film: must lie directly on a plate")
-    if sum(layer.endswith("_plate") for layer in layers) > 1:
-        raise InputError(f"{where}: layers: more than one plate: at most one")
-    return layers
-
-
-def _check_fits(where: str, stack: Stack) -> None:
-    """Raise unless the lamps fit under the plate, beside each other and on the panel."""
-    radius, height = stack["lamp_radius_mm"], stack["lamp_height_mm"]
-    if height < radius:
-        raise InputError(
-            f"{where}: lamp_height_mm: {height:g}: must be at least the radius {radius:g}"
-        )
-    if stack.thickness <= height + radius:
-        raise InputError(
-            f"{where}: thickness_mm: {stack.thickness:g}: must be above the lamps' tops at "
-            f"{height + radius:g} mm"
-        )
-    if stack.lamp_pitch <= 2 * radius:
-        raise InputError(
-            f"{where}: lamp_pitch_mm: {stack.lamp_pitch:g}: must be above the lamps' diameter "
-            f"{2 * radius:g}"
-        )
-    if stack.lamp_position(0) < 0:
-        raise InputError(
-            f"{where}: lamp_count: {stack.lamp_count}: at pitch {stack.lamp_pitch:g} mm the row is "
-            f"wider than the panel's {stack.panel_width:g} mm"
-        )

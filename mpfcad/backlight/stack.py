@@ -1,63 +1,24 @@
 """A backlight: its layers from the lamps up and every number it hangs on, each with its source."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Literal
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer
-from mpfcad.errors import InputError
+from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.quantity import (
+    PANEL_RANGES,
+    PARTICLE_RANGES,
+    RANGES,
+    Quantity,
+    lamp_of,
+)
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.scene import Element
 
-Tag = Literal["given", "sourced", "assumed"]
-
-#: What a layer may be, with what it is in words.
-LAYERS = {
-    "clear_plate": "clear plate",
-    "diffusing_plate": "diffusing plate",
-    "bottom_sheet": "bottom diffuser sheet",
-    "film": "film",
-    "bonded_film": "film bonded on the plate",
-    "top_sheet": "top diffuser sheet",
-    "bsdf": "element by its BSDF table",
-}
-
-_TINY = 1e-6
-#: Every value of a stack and its allowed range, in the unit of its name.
-RANGES = {
-    "panel_width_mm": (1.0, 10_000.0),
-    "panel_length_mm": (1.0, 10_000.0),
-    "lamp_count": (1, 10_000),
-    "lamp_pitch_mm": (0.1, 1000.0),
-    "lamp_radius_mm": (0.01, 100.0),
-    "lamp_height_mm": (0.01, 1000.0),
-    "lamp_reflectance": (0.0, 1.0),
-    "lamp_luminance_cd_m2": (_TINY, 1e9),
-    "thickness_mm": (0.1, 1000.0),
-    "reflector_reflectance": (0.0, 1.0),
-    "reflector_specular_fraction": (0.0, 1.0),
-    "plate_index": (1.0, 4.0),
-    "plate_thickness_mm": (0.01, 100.0),
-    "plate_scattering_per_mm": (0.0, 100.0),
-    "plate_asymmetry": (-0.99, 0.99),
-    "plate_absorption_per_mm": (0.0, 100.0),
-    "bottom_sheet_sigma": (0.0, 10.0),
-    "top_sheet_sigma": (0.0, 10.0),
-    "sheet_index": (1.0, 4.0),
-    "sheet_transmission": (0.0, 1.0),
-    "film_index": (1.0, 4.0),
-    "meter_acceptance_deg": (0.0, 45.0),
-    "meter_spot_mm": (0.0, 1000.0),
-}
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with where it comes from."""
-
-    value: float
-    tag: Tag
-    source: str
+#: One lamp pitch that repeats without end, or the whole panel with its walls.
+EXTENTS = ("pitch", "panel")
 
 
 @dataclass(frozen=True)
@@ -69,21 +30,25 @@ class Stack:
     name, title
         the preset's or file's name; one line in words
     layers
-        from the lamps up, names of `LAYERS`; one is a film, or none where one is a table
+        from the lamps up, names of `LAYERS` or of `own`; one is the place of the job's
+        film, or none where a table stands in it
     quantity
-        one entry for each name of `RANGES`
+        one entry for each name of `RANGES`, and those that the stack needs besides
+    extent
+        `pitch`: everything repeats sideways without end; `panel`: the whole panel with its walls
+    own
+        by name, the layers with values of their own, which `quantity` holds as `name.value`
     tables
-        the tables of the `bsdf` layers, in their order
-    reflector
-        a table in the place of the reflector's two values
+        by the layer's name, BSDF tables; `reflector`: one in the place of the reflector's values
     """
 
     name: str
     title: str
     layers: tuple[str, ...]
     quantity: dict[str, Quantity]
-    tables: tuple[BsdfLayer, ...] = ()
-    reflector: BsdfLayer | None = None
+    extent: Literal["pitch", "panel"] = "pitch"
+    own: dict[str, Layer] = field(default_factory=dict)
+    tables: dict[str, BsdfLayer] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -114,100 +79,117 @@ class Stack:
         """Spacing of the lamps [mm]."""
         return self["lamp_pitch_mm"]
 
+    @property
+    def central_lamp(self) -> int:
+        """The lamp left of the panel's middle, at x = 0 of the scene."""
+        return max((self.lamp_count - 1) // 2, 0)
+
+    @property
+    def acceptance(self) -> float:
+        """Sine of the meter's half angle."""
+        return math.sin(math.radians(self["meter_acceptance_deg"]))
+
+    @property
+    def resin_scatters(self) -> bool:
+        """Whether the film's fill holds particles."""
+        return "resin_scattering_per_mm" in self.quantity and self["resin_scattering_per_mm"] > 0
+
+    @property
+    def sheet_count(self) -> int:
+        """Number of layers that are handled on their own: a film bonded on a plate is not."""
+        return sum(layer != "bonded_film" for layer in self.layers)
+
     def lamp_position(self, number: int) -> float:
-        """Return the axis' position [mm] on the panel of lamp `number`, from 0 at the left."""
+        """Return the axis' even position [mm] on the panel of lamp `number`, from 0 at the left."""
         row = (self.lamp_count - 1) * self.lamp_pitch
         return (self.panel_width - row) / 2 + number * self.lamp_pitch
+
+    def shifted_position(self, number: int) -> float:
+        """Return the axis' position [mm] on the panel with the lamp's own shift."""
+        return self.lamp_position(number) + self._of_lamp(number, "shift_mm", 0.0)
+
+    def lamp_factor(self, number: int) -> float:
+        """Return a lamp's luminance as a multiple of all lamps'."""
+        return self._of_lamp(number, "luminance_factor", 1.0)
+
+    def _of_lamp(self, number: int, value: str, default: float) -> float:
+        quantity = self.quantity.get(f"lamp_{number + 1}_{value}")
+        return default if quantity is None else quantity.value
+
+    def kind_of(self, layer: str) -> str:
+        """Return `plate`, `sheet`, `film` or `bsdf`."""
+        kind = self.own[layer].kind if layer in self.own else layer.rpartition("_")[2]
+        return "film" if kind == "bef" else kind
+
+    def title_of(self, layer: str) -> str:
+        """Return what a layer is, in words."""
+        return self.own[layer].title if layer in self.own else LAYERS[layer]
+
+    def is_slot(self, layer: str) -> bool:
+        """Return whether a layer is the place of the job's film."""
+        if layer in self.own:
+            return self.own[layer].kind == "film" and self.own[layer].file is None
+        return layer.endswith("film")
+
+    @property
+    def has_slot(self) -> bool:
+        """Whether there is a place for the job's film."""
+        return any(map(self.is_slot, self.layers))
+
+    @property
+    def table_layers(self) -> list[str]:
+        """Names of the layers that are BSDF tables."""
+        return [layer for layer in self.layers if layer in self.tables]
+
+    def files(self) -> dict[str, Path]:
+        """Return the meshes of films beside the job's, by the layer's name."""
+        return {name: Path(layer.file) for name, layer in self.own.items() if layer.file}
+
+    def with_files_in(self, folder: Path) -> "Stack":
+        """Return the stack with the meshes of `files` as `stack-NAME.stl` of a folder."""
+        own = {
+            name: replace(layer, file=str(Path(folder) / stack_file(name))) if layer.file else layer
+            for name, layer in self.own.items()
+        }
+        return replace(self, own=own)
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
         """Return the stack with some quantities replaced."""
         return replace(self, quantity={**self.quantity, **values})
 
     def inputs(self) -> list[dict[str, object]]:
-        """Return each input as {name, value, tag, source}: numbers as in `RANGES`, then tables."""
+        """Return each number in use as {name, value, tag, source}, the usual ones first."""
+        panel = self.extent == "panel"
+        names = [*RANGES, *(PANEL_RANGES if panel else ())]
+        names += sorted((k for k in self.quantity if lamp_of(k)), key=lambda k: (lamp_of(k), k))
+        names += [k for k in PARTICLE_RANGES if k in self.quantity]
+        names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
         numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
-            for k, q in ((k, self.quantity[k]) for k in RANGES)
+            for k, q in ((k, self.quantity[k]) for k in names)
         ]
-        named = [(f"bsdf.{i}", layer) for i, layer in enumerate(self.tables, 1)]
-        if self.reflector is not None:
-            named.append(("reflector", self.reflector))
         return numbers + [
-            {
-                "name": name,
-                "value": layer.name,
-                "tag": layer.tag,
-                "source": "; ".join((f"{layer.source}, SHA-256 {layer.sha256}", *layer.table.note)),
-            }
-            for name, layer in named
+            {"name": k, **table.describe_source()} for k, table in self.tables.items()
         ]
 
-    @property
-    def has_film(self) -> bool:
-        """Whether the stack has a slot for a film mesh."""
-        return any(layer.endswith("film") for layer in self.layers)
+    def elements(
+        self, mesh: FilmMesh | None, offset: float = 0.0, prism: FilmMesh | None = None
+    ) -> list[Element]:
+        """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
-    def elements(self, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
-        """Return the traced elements from the bottom up; x = 0 is a lamp's axis.
-
-        `offset` [mm] is the x of the film tile's left edge.
+        `offset` [mm] is the x of the film tile's left edge; `prism` the film without resin, which a
+        resin that scatters needs.
 
         Raises
         ------
         InputError
-            when there is a mesh and no film in the stack, or a film and no mesh.
+            when the mesh of another film cannot be traced.
         """
-        if self.has_film != (mesh is not None):
-            what = "its film needs a mesh" if self.has_film else "has no film: allowed is no mesh"
-            raise InputError(f"stack {self.name}: {what}")
-        tables = iter(self.tables)
-        bonded = "bonded_film" in self.layers
-        elements: list[Element] = [self._cavity()]
-        for layer in self.layers:
-            match layer:
-                case "clear_plate" | "diffusing_plate":
-                    elements.append(self._plate(layer == "diffusing_plate", bonded))
-                case "bottom_sheet" | "top_sheet":
-                    elements.append(self._sheet(layer))
-                case "bsdf":
-                    layer = next(tables)
-                    elements.append(BsdfSheet(layer.table, layer.blend, layer.name))
-                case _:
-                    below = self["plate_index"] if bonded else 1.0
-                    elements.append(Film(mesh, self["film_index"], below, offset))
-        return elements
+        from mpfcad.backlight.lower import lower_stack
 
-    def _cavity(self) -> Cavity:
-        return Cavity(
-            height=self.thickness,
-            lamp_pitch=self.lamp_pitch,
-            lamp_position=0.0,
-            lamp_height=self["lamp_height_mm"],
-            lamp_radius=self["lamp_radius_mm"],
-            lamp_luminance=self["lamp_luminance_cd_m2"],
-            lamp_reflectance=self["lamp_reflectance"],
-            reflectance=self["reflector_reflectance"],
-            specular_fraction=self["reflector_specular_fraction"],
-            name="reflector",
-            brdf=self.reflector.table if self.reflector else None,
-            blend=self.reflector.blend if self.reflector else 1.0,
-        )
+        return lower_stack(self, mesh, offset, prism)
 
-    def _plate(self, diffusing: bool, bonded: bool) -> Slab:
-        volume = {}
-        if diffusing:
-            volume = {
-                "scattering": self["plate_scattering_per_mm"],
-                "absorption": self["plate_absorption_per_mm"],
-                "asymmetry": self["plate_asymmetry"],
-            }
-        return Slab(self["plate_index"], self["plate_thickness_mm"], bonded=bonded, **volume)
 
-    def _sheet(self, layer: str) -> Sheet:
-        name = layer.replace("_", " ")
-        return Sheet(self[f"{layer}_sigma"], self["sheet_index"], self["sheet_transmission"], name)
-
-    @property
-    def acceptance(self) -> float:
-        """Sine of the meter's half angle."""
-        return math.sin(math.radians(self["meter_acceptance_deg"]))
+def stack_file(layer: str) -> str:
+    """Return the file name in an export of the mesh of a layer."""
+    return f"stack-{layer}.stl"

@@ -37,7 +37,7 @@ class LuminanceResult:
     paths
         backward paths traced
     accelerator
-        how the mesh was traced: `chain` or `bvh`
+        how the meshes were traced: `chain`, `bvh`, or each way that was taken
     """
 
     position_pitch: NDArray[np.float64]
@@ -82,7 +82,6 @@ def luminance_over_pitch(
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.recorder import FLOWS, Tally
     from mpfcad.optics.scene import build_scene
-    from mpfcad.optics.tile import ACCELERATORS
 
     mesh = None if mesh_path is None else read_film_mesh(mesh_path)
     elements = stack.elements(mesh, offset)
@@ -116,7 +115,7 @@ def luminance_over_pitch(
         Estimate.normal(float(fit.coefficient[0]), float(np.sqrt(fit.covariance[0, 0]))),
         _energy(scene, elements, seed, threads),
         tally.total_paths,
-        ACCELERATORS[scene.tile.accelerator],
+        scene.accelerators,
     )
 
 
@@ -131,6 +130,7 @@ def _energy(scene, elements, seed: int, threads: int) -> dict[str, object]:
     share = dict(zip(FLOWS, map(float, tally.fraction), strict=False))
     error = dict(zip(FLOWS, map(float, tally.fraction_error), strict=False))
     absorbed = {"lamps": share["lamps"]}
+    absorbed.update({name: share[name] for name in ("walls", "rim") if share[name] > 0})
     for element, part in zip(elements, tally.fraction[len(FLOWS) :], strict=True):
         if part > 0:
             absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)

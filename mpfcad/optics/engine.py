@@ -25,8 +25,16 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.film import film_passage
+from mpfcad.optics.film import placed_film_passage
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.panel import (
+    LAMP_END,
+    WALL_ACROSS,
+    WALL_ALONG,
+    lamp_start,
+    panel_hit,
+    wall_direction,
+)
 from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path, uniform
 from mpfcad.optics.scene import Scene
@@ -35,7 +43,7 @@ from mpfcad.optics.slab import slab_passage
 
 _CAVITY, _SLAB, _SHEET, _FILM, _BSDF = range(5)
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
-_UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _ELEMENTS = range(6)
+_UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _WALLS, _RIM, _ELEMENTS = range(8)
 _ROULETTE_BELOW = 0.1
 _MOST_ELEMENTS = 1_000_000
 
@@ -76,7 +84,7 @@ class Source(_SourceFields):
     along
         (p,) float64 [mm], y of the measured points
     spot_along
-        length [mm] along y over which a point is averaged; 0 for that of the film's tile
+        length [mm] along y over which a point is averaged; 0 for that over which the stack repeats
     """
 
     __slots__ = ()
@@ -123,7 +131,7 @@ def _look(tilt_x, tilt_y, acceptance, px, py):
 def _start(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
     x = source.position[point] + (uniform(rng) - 0.5) * source.spot
-    length = source.spot_along if source.spot_along > 0.0 else scene.tile.length
+    length = source.spot_along if source.spot_along > 0.0 else scene.length
     y = source.along[point] + (uniform(rng) - 0.5) * length
     last = len(scene.kind) - 1
     px, py = disk(rng)
@@ -133,6 +141,9 @@ def _start(scene, source, point, rng):
     dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
+    if len(scene.lamp) > 0:
+        x, y, z, dx, dy, dz, lamp = lamp_start(scene.parameter[0], scene.wall, scene.lamp, rng)
+        return 0, True, x, y, z, dx, dy, dz, lamp
     # On the tube of the lamp nearest to x = position: a cosine about the outward normal.
     angle = 2.0 * math.pi * uniform(rng)
     cavity = scene.parameter[0]
@@ -143,15 +154,23 @@ def _start(scene, source, point, rng):
 
 
 @kernel
-def _cavity(parameter, bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
+    parameter = scene.parameter[0]
+    finite = len(scene.lamp) > 0
     radiance = 0.0
     for _ in range(_MOST_ELEMENTS):
-        what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
+        if finite:
+            what, x, y, z, number, centre = panel_hit(
+                parameter, scene.wall, scene.lamp, x, y, z, dx, dy, dz, lamp
+            )
+        else:
+            what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
         if what == OPENING:
             return x, y, dx, dy, dz, weight, radiance
         if what == LAMP:
-            radiance += weight * parameter[5]
+            luminance = parameter[5] * (scene.lamp[number, 1] if finite else 1.0)
+            radiance += weight * luminance
             flow[_LAMPS] += weight * (1.0 - parameter[6])
             weight *= parameter[6]
             lamp = number
@@ -163,12 +182,24 @@ def _cavity(parameter, bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             lamp = NO_LAMP
             table = int(parameter[9])
             if table >= 0:
-                _, dx, dy, dz, survival = bsdf_passage(bsdf, table, dx, dy, dz, rng)
+                _, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
                 weight *= survival
+                dz = abs(dz)
             else:
                 weight *= parameter[7]
                 dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
             flow[_ELEMENTS] += before - weight
+        elif what in (WALL_ACROSS, WALL_ALONG):
+            flow[_WALLS] += weight * (1.0 - scene.wall[4])
+            weight *= scene.wall[4]
+            lamp = NO_LAMP
+            dx, dy, dz = wall_direction(what, scene.wall[5], dx, dy, dz, rng)
+        elif what == LAMP_END:
+            # The ends hold the electrodes: they reflect like the tube and do not shine.
+            flow[_LAMPS] += weight * (1.0 - parameter[6])
+            weight *= parameter[6]
+            lamp = number
+            dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
         else:
             break
         weight = _roulette(weight, flow, rng)
@@ -206,11 +237,13 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         if lamp == NO_LAMP:
             z = parameter[0]
         x, y, dx, dy, dz, weight, found = _cavity(
-            parameter, scene.bsdf, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+            scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng
         )
         before = weight
     elif kind == _SLAB:
-        way, x, y, dx, dy, dz, survival = slab_passage(parameter, up, x, y, dx, dy, dz, rng)
+        way, x, y, dx, dy, dz, survival = slab_passage(
+            scene.phase, parameter, up, x, y, dx, dy, dz, rng
+        )
         weight *= survival
     elif kind == _SHEET:
         passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
@@ -221,8 +254,8 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         weight *= survival
         way = 1 if passed == up else -1
     else:
-        way, x, y, dx, dy, dz = film_passage(
-            scene.tile, parameter[0], parameter[1], parameter[2], up, x, y, dx, dy, dz, rng
+        way, x, y, dx, dy, dz = placed_film_passage(
+            scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, rng
         )
     flow[_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
@@ -235,6 +268,7 @@ def trace_path(scene, source, point, flow, rng):
     weight = 1.0
     radiance = 0.0
     count = len(scene.kind)
+    wall = scene.wall
     for _ in range(_MOST_ELEMENTS):
         if e < 0:
             flow[_DOWN] += weight
@@ -249,6 +283,9 @@ def trace_path(scene, source, point, flow, rng):
         radiance += found
         if way == 0:
             flow[_LOST] += weight
+            return radiance
+        if not (wall[0] <= x <= wall[1] and wall[2] <= y <= wall[3]):
+            flow[_RIM] += weight
             return radiance
         weight = _roulette(weight, flow, rng)
         if weight == 0.0:

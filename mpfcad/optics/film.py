@@ -4,55 +4,119 @@ import math
 
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.sampling import uniform
+from mpfcad.optics.phase import scattering_cosine
+from mpfcad.optics.resin import collision_distance, facet_amid
+from mpfcad.optics.sampling import turn, uniform
 from mpfcad.optics.tile import next_facet
+from mpfcad.optics.tile_table import tile_of
 
 _MOST_HITS = 100_000
 
 
 @kernel
-def film_passage(tile, index, index_below, offset, up, x, y, dx, dy, dz, rng):
-    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
+def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz).
 
-    `up`: it comes from below, in a medium of `index_below`; else from the air above. `way` is 1
-    when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+    `parameter` is that of the film's element. The ray is turned into the film's own axes and back:
+    by the film's angle about z, and, where it lies upside down, about the middle of its tile.
     """
-    base_x = math.floor((x - offset) / tile.width) * tile.width + offset
-    base_y = math.floor(y / tile.length) * tile.length
-    x = min(max(x - base_x, 0.0), tile.width)
-    y = min(max(y - base_y, 0.0), tile.length)
-    z = tile.high
-    inside = False
-    k = -1
-    if up:
-        entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
-        if not entered:
-            return -1, x + base_x, y + base_y, dx, dy, dz
-        inside = True
-        z = 0.0
-    for _ in range(_MOST_HITS):
-        k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(tile, x, y, z, dx, dy, dz, k, inside)
-        base_x += shift_x
-        base_y += shift_y
-        if k == -2:
-            return 0, x + base_x, y + base_y, dx, dy, dz
-        if k >= 0:
-            inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
-            continue
-        if not inside:
-            flight = max(0.0, (tile.high - z) / dz)
-            return 1, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
-        flight = z / -dz
-        x += flight * dx
-        y += flight * dy
-        z = 0.0
-        turn = math.floor(x / tile.width) * tile.width
-        x = min(max(x - turn, 0.0), tile.width)
-        base_x += turn
-        left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
-        if left:
-            return -1, x + base_x, y + base_y, dx, dy, dz
-    return 0, x + base_x, y + base_y, dx, dy, dz
+    cosine, sine = parameter[3], parameter[4]
+    askew = cosine != 1.0
+    flipped = parameter[5] != 0.0
+    middle = 2.0 * parameter[2] + tiles.size[int(parameter[6]), 0]
+    if askew:
+        x, y = cosine * x + sine * y, cosine * y - sine * x
+        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
+    if flipped:
+        x, dx, dz, up = middle - x, -dx, -dz, not up
+    if parameter[7] > 0.0:
+        way, x, y, dx, dy, dz = resin_film_passage(
+            tiles, phase, parameter, up, x, y, dx, dy, dz, rng
+        )
+    else:
+        way, x, y, dx, dy, dz = film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng)
+    if flipped:
+        x, dx, dz, way = middle - x, -dx, -dz, -way
+    if askew:
+        x, y = cosine * x - sine * y, cosine * y + sine * x
+        dx, dy = cosine * dx - sine * dy, cosine * dy + sine * dx
+    return way, x, y, dx, dy, dz
+
+
+def _build_passage(scatters: bool):
+    """Return the passage with or without resin that scatters: known when it is compiled."""
+
+    @kernel
+    def passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
+        """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
+
+        `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
+        1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+        """
+        tile = tile_of(tiles, int(parameter[6]))
+        index, index_below, offset = parameter[0], parameter[1], parameter[2]
+        amid = False
+        base_x = math.floor((x - offset) / tile.width) * tile.width + offset
+        base_y = math.floor(y / tile.length) * tile.length
+        x = min(max(x - base_x, 0.0), tile.width)
+        y = min(max(y - base_y, 0.0), tile.length)
+        z = tile.high
+        inside = False
+        k = -1
+        if up:
+            entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
+            if not entered:
+                return -1, x + base_x, y + base_y, dx, dy, dz
+            inside = True
+            z = 0.0
+        for _ in range(_MOST_HITS):
+            x0, y0, z0 = x, y, z
+            if scatters and amid:
+                k, x, y, z, nx, ny, nz, shift_x, shift_y = facet_amid(tile, x, y, z, dx, dy, dz)
+                amid = False
+            else:
+                k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(
+                    tile, x, y, z, dx, dy, dz, k, inside
+                )
+            if scatters and inside and k != -2:
+                reach = z0 / -dz if dz < 0.0 else 0.0
+                if k >= 0:
+                    reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
+                prism = tile_of(tiles, int(parameter[10]))
+                flown = collision_distance(prism, parameter[7], x0, z0, dx, dz, reach, rng)
+                if flown < reach:
+                    x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
+                    cosine = scattering_cosine(phase, int(parameter[9]), parameter[8], uniform(rng))
+                    dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+                    amid = True
+                    continue
+            base_x += shift_x
+            base_y += shift_y
+            if k == -2:
+                return 0, x + base_x, y + base_y, dx, dy, dz
+            if k >= 0:
+                inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+                continue
+            if not inside:
+                flight = max(0.0, (tile.high - z) / dz)
+                return 1, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
+            flight = z / -dz
+            x += flight * dx
+            y += flight * dy
+            z = 0.0
+            tiles_on = math.floor(x / tile.width) * tile.width
+            x = min(max(x - tiles_on, 0.0), tile.width)
+            base_x += tiles_on
+            left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
+            if left:
+                return -1, x + base_x, y + base_y, dx, dy, dz
+        return 0, x + base_x, y + base_y, dx, dy, dz
+
+    return passage
+
+
+film_passage = _build_passage(False)
+resin_film_passage = _build_passage(True)
 
 
 @kernel

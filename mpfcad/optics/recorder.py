@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: The first entries of a tally's flow; after them one for each element's absorption, lowest first.
-FLOWS = ("up", "down", "lost", "roulette", "lamps")
+#: `walls` and `rim` (what leaves a finite panel beside its layers) are 0 where it has no end.
+FLOWS = ("up", "down", "lost", "roulette", "lamps", "walls", "rim")
 
 
 class Tally(NamedTuple):

@@ -4,13 +4,14 @@ import math
 
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.sampling import henyey_greenstein_cosine, turn, uniform
+from mpfcad.optics.phase import scattering_cosine
+from mpfcad.optics.sampling import turn, uniform
 
 _MOST_STEPS = 1_000_000
 
 
 @kernel
-def slab_passage(parameter, up, x, y, dx, dy, dz, rng):
+def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
     """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its
@@ -21,6 +22,7 @@ def slab_passage(parameter, up, x, y, dx, dy, dz, rng):
         parameter[0], parameter[1], parameter[2], parameter[3], parameter[4],
     )  # fmt: skip
     bonded = parameter[5] != 0.0
+    row = int(parameter[6])
     travelled = 0.0
     z = 0.0 if up else thickness
     if up or not bonded:
@@ -41,7 +43,7 @@ def slab_passage(parameter, up, x, y, dx, dy, dz, rng):
         y += step * dy
         if free < to_face:
             z += step * dz
-            cosine = henyey_greenstein_cosine(asymmetry, uniform(rng))
+            cosine = scattering_cosine(phase, row, asymmetry, uniform(rng))
             dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
             continue
         top = dz > 0.0

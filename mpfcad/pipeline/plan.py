@@ -170,18 +170,16 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "title": stack.title,
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
-        "tables": [layer.describe() for layer in stack.tables],
-        "reflector": stack.reflector.describe() if stack.reflector else None,
+        "tables": {name: table.describe() for name, table in stack.tables.items()},
     }
 
 
 def restore_stack(document: dict[str, Any]) -> Stack:
     """Return the stack that `describe_stack` has described."""
     quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
-    tables = tuple(map(restore_bsdf_layer, document["tables"]))
-    reflector = document["reflector"] and restore_bsdf_layer(document["reflector"])
+    tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
     layers = tuple(document["layers"])
-    return Stack(document["name"], document["title"], layers, quantity, tables, reflector)
+    return Stack(document["name"], document["title"], layers, quantity, tables=tables)
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
@@ -265,7 +263,7 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
         stack = read_stack(source, thickness=job.stack.thickness, overrides=overrides)
     except InputError as error:
         raise InputError(f"{job_file}: {error}") from None
-    if not stack.has_film:
+    if not stack.has_slot:
         raise InputError(f"{job_file}: stack: {source}: has no film: a job needs one to make")
     return stack
 

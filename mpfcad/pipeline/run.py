@@ -191,6 +191,6 @@ def trace_mesh(
         progress=progress.trace,
     )
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
-    tables = [{"file": entry.name, "sha256": entry.sha256} for entry in whole.tables]
+    tables = [{"file": entry.name, "sha256": entry.sha256} for entry in whole.tables.values()]
     traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -14,7 +14,6 @@ STYLE = {
     "diffusing_plate": 'fill="#d5d9de" stroke="#7d858e"',
     "bottom_sheet": 'fill="#efe6d8" stroke="#a08f70"',
     "top_sheet": 'fill="#efe6d8" stroke="#a08f70"',
-    "bsdf": 'fill="#e4e0ee" stroke="#857aa3"',
 }
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
@@ -27,17 +26,12 @@ def draw_stack(stack: Stack) -> str:
     floor = height - 26
     parts = _draw_cavity(stack, floor)
     top = floor - CAVITY
-    tables = iter(stack.tables)
     for i, layer in enumerate(stack.layers):
         bonded = layer == "bonded_film"
         top -= LAYER + (GAP if i and not bonded else 0)
         draw = _draw_film if layer.endswith("film") else _draw_layer(layer)
         parts += draw(top)
-        parts += _label(
-            top + LAYER / 2,
-            LAYERS[layer],
-            next(tables).name if layer == "bsdf" else _note(stack, layer),
-        )
+        parts += _label(top + LAYER / 2, LAYERS[layer], _note(stack, layer))
     parts.append(svg.text(LEFT, 16, "↑ viewer", SOFT))
     return svg.picture(860, height, f"Stack {stack.name}", parts)
 
@@ -58,8 +52,6 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     parts += _dimension((right, floor), (right, floor - CAVITY), f"{stack.thickness:g} mm")
     specular = stack["reflector_specular_fraction"] * 100
     note = f"reflectance {stack['reflector_reflectance']:g}, {specular:g} % of it specular"
-    if stack.reflector is not None:
-        note = stack.reflector.name
     parts += _label(floor + 4, "reflector", note)
     lamp = (
         f"{stack.lamp_count}, radius {stack['lamp_radius_mm']:g} mm, axis "

@@ -34,20 +34,20 @@ def test_tables_stand_where_the_layers_say(tmp_path):
         tmp_path,
         '"clear_plate", { kind = "bsdf", file = "sheet.csv", interpolation = "none", '
         'tag = "sourced", source = "a data sheet" }, "top_sheet", { kind = "bsdf", '
-        'file = "white.xml", reciprocal = true }',
+        'name = "white", file = "white.xml", reciprocal = true }',
         'reflector = { file = "white.xml" }',
     )
     stack = read_stack(path)
-    assert stack.layers == ("clear_plate", "bsdf", "top_sheet", "bsdf")
-    assert not stack.has_film
+    assert stack.layers == ("clear_plate", "bsdf_2", "top_sheet", "white")
+    assert not stack.has_slot
     elements = stack.elements(None)
-    assert [e.name for e in elements[1:] if isinstance(e, BsdfSheet)] == ["sheet.csv", "white.xml"]
+    assert [e.name for e in elements[1:] if isinstance(e, BsdfSheet)] == ["bsdf 2", "white"]
     assert [e.blend for e in elements if isinstance(e, BsdfSheet)] == [0.0, 1.0]
-    assert isinstance(elements[0], Cavity) and elements[0].brdf is stack.reflector.table
+    assert isinstance(elements[0], Cavity) and elements[0].brdf is stack.tables["reflector"].table
     rows = {row["name"]: row for row in stack.inputs()}
-    assert rows["bsdf.1"]["tag"] == "sourced" and "a data sheet" in rows["bsdf.1"]["source"]
+    assert rows["bsdf_2"]["tag"] == "sourced" and "a data sheet" in rows["bsdf_2"]["source"]
     assert rows["reflector"]["value"] == "white.xml"
-    assert stack.tables[0].sha256 in rows["bsdf.1"]["source"]
+    assert stack.tables["bsdf_2"].sha256 in rows["bsdf_2"]["source"]
 
 
 def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
@@ -57,9 +57,10 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
     (tmp_path / "sheet.csv").unlink()
     again = restore_stack(describe_stack(stack))
     assert again.layers == stack.layers
-    assert np.array_equal(again.tables[0].table.value, stack.tables[0].table.value)
-    assert again.tables[0].sha256 == stack.tables[0].sha256
-    assert again.reflector.blend == stack.reflector.blend
+    for name in ("bsdf_2", "reflector"):
+        assert np.array_equal(again.tables[name].table.value, stack.tables[name].table.value)
+        assert again.tables[name].sha256 == stack.tables[name].sha256
+        assert again.tables[name].blend == stack.tables[name].blend
     assert describe_stack(again) == describe_stack(stack)
 
 
@@ -67,14 +68,15 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
     ("layers", "words"),
     [
         ('{ kind = "bsdf", file = "gone.csv" }', "gone.csv: no such file"),
-        ('{ kind = "bsdf" }', "layers[0]: file: None: must be a file name"),
-        ('{ kind = "glass", file = "sheet.csv" }', "layers[0]: kind: glass: must be bsdf"),
-        ('{ kind = "bsdf", file = "sheet.csv", size = 1 }', "layers[0]: size: unknown key"),
+        ('{ kind = "bsdf" }', "layers: bsdf_1: file: None: must be a file name"),
+        ('{ kind = "glass", file = "sheet.csv" }', "must be a name or have a kind of"),
+        ('{ kind = "bsdf", file = "sheet.csv", size = 1 }', "layers: bsdf_1: size: unknown key"),
         ('{ kind = "bsdf", file = "sheet.csv", interpolation = "cubic" }', "linear or none"),
         ('{ kind = "bsdf", file = "sheet.csv", reciprocal = 1 }', "reciprocal: 1: must be true"),
         ('{ kind = "bsdf", file = "hot.csv" }', "hot.csv: light from below, incidence"),
         ('"bsdf"', "layers: bsdf: must be one of"),
-        ('"top_sheet"', "0 films: must be exactly one"),
+        ('{ kind = "bsdf", name = "reflector", file = "sheet.csv" }', "name: must not be"),
+        ('"top_sheet"', "0 films for the job's film: must be exactly one"),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, layers, words):

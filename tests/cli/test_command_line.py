@@ -56,7 +56,19 @@ def test_help_is_instant():
 
 @pytest.mark.parametrize(
     "command",
-    ["run", "mask", "cad", "mould", "trace", "bsdf", "verify", "calibrate", "stacks", "init", "--help"],
+    [
+        "run",
+        "mask",
+        "cad",
+        "mould",
+        "trace",
+        "bsdf",
+        "verify",
+        "calibrate",
+        "stacks",
+        "init",
+        "--help",
+    ],
 )
 def test_every_subcommand_has_help(command):
     result = mpfcad(command, "--help")

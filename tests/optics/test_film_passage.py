@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
 
-from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.tile import build_tile
+from mpfcad.optics.tile_table import build_tile_table
 
 SLIVERS = [groove(40.0001), groove(41.0), groove(79.999), groove(80.0), groove(0.0)]
 FILMS = {
@@ -28,9 +29,9 @@ def rays(count, up, seed=1, size=(0.1, 0.1)):
 
 
 def through(mesh, start, up, accelerator=None, index=1.5, seed=1):
-    tile = build_scene([Film(mesh, index, accelerator=accelerator)]).tile
+    tiles = build_tile_table([build_tile(mesh, accelerator)])
     out = np.empty((len(start), 4))
-    pass_film(tile, index, up, start, seed, out)
+    pass_film(tiles, index, up, start, seed, out)
     return out
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mpfcad.optics import reference
+from mpfcad.optics import reference_ray
 from mpfcad.optics.fresnel import fresnel
 
 index = st.floats(1.0001, 3.0)
@@ -52,7 +52,7 @@ def test_snell_and_reciprocity(n, cos_in):
 def test_equals_the_oracle_that_works_with_angles(ratio, cos_in):
     assume(abs(ratio - 1) > 1e-6)
     assert fresnel(cos_in, ratio)[0] == pytest.approx(
-        reference.reflectance(cos_in, ratio, 1.0), rel=1e-6, abs=1e-14
+        reference_ray.reflectance(cos_in, ratio, 1.0), rel=1e-6, abs=1e-14
     )
 
 

@@ -8,7 +8,7 @@ from harness import within
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpfcad.optics.reference import Philox
+from mpfcad.optics.reference_ray import Philox
 from mpfcad.optics.sampling import (
     RNG_SIZE,
     disk,

@@ -10,6 +10,7 @@ from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers,
 from independent import film_values
 
 from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace
+from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.scene import Cavity, Film, Slab, build_scene
 
 # (transmittance, standard error), (normal luminance, standard error).
@@ -117,8 +118,8 @@ def test_gain_over_a_reflecting_emitter_follows_the_closed_form(tmp_path):
     cavity = Cavity(1.0, 1e6, 5e5, 0.5, 1e-6, 0.0, 0.0, rho, 0.0)
     whole = build_scene([cavity, Film(mesh, 1.55)], above=0.0)
     seen = trace(whole, Source(EYE, np.zeros(1), 0.05), 1000, seed=30)
-    absorbed = seen.fraction[5] / (1 - rho)
+    absorbed = seen.fraction[len(FLOWS)] / (1 - rho)
     p = trace(scene, Source(EYE, np.zeros(1), 0.05), 1000, seed=31)
     expected = p.radiance[0] / (1 - rho * returned)
-    error = np.hypot(seen.fraction_error[5] / (1 - rho), 12 * through.fraction_error[0])
+    error = np.hypot(seen.fraction_error[len(FLOWS)] / (1 - rho), 12 * through.fraction_error[0])
     within(absorbed, expected, np.hypot(error, p.radiance_error[0] / (1 - rho * returned)), 4)

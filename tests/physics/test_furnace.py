@@ -1,10 +1,13 @@
 """White furnace: amid equal brightness nothing that does not absorb is seen."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
 
 from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.resin import Resin
 from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
 
 PATTERN = [groove(c) for c in (57.0, 30.0, 75.0)]
@@ -56,14 +59,18 @@ def layers(name, folder):
         "diffusing": [DIFFUSING],
         "backward": [Slab(1.49, 2.0, 1.0, 0.0, -0.7)],
         "film": [film],
-        "crossed": [Film(crossed_mesh(folder), 1.5)],
+        "pyramids": [Film(crossed_mesh(folder), 1.5)],
+        "two films": [film, replace(film, rotation=np.pi / 2)],
+        "askew, upside down": [BOTTOM, replace(film, rotation=0.5, flipped=True), film],
+        "resin": [replace(film, resin=Resin(film_mesh(folder, [BARE]), 60.0, 0.4))],
         **{n: stack(n, folder) for n in ("conventional", "mpf", "mpf-plate")},
     }[name]
 
 
 @pytest.mark.parametrize(
     "name",
-    ["sheet", "wide sheet", "clear", "diffusing", "backward", "film", "crossed", "conventional",
+    ["sheet", "wide sheet", "clear", "diffusing", "backward", "film", "pyramids",
+     "two films", "askew, upside down", "resin", "conventional",
      "mpf", "mpf-plate"],
 )  # fmt: skip
 def test_lambertian_light_from_both_sides_leaves_lambertian(tmp_path, name):

@@ -6,7 +6,7 @@ from harness import film_mesh, groove, within
 from scipy.integrate import quad
 
 from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace
-from mpfcad.optics.reference import reflectance
+from mpfcad.optics.reference_ray import reflectance
 from mpfcad.optics.scene import Film, Sheet, Slab, build_scene
 
 

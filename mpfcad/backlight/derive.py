@@ -1,0 +1,70 @@
+"""Numbers of a stack that follow from others: defaults, and what particles scatter."""
+
+from mpfcad.backlight.layer import OWN_VALUES
+from mpfcad.backlight.particle import MEDIUM, PARTICLE, build_particles
+from mpfcad.backlight.quantity import Quantity
+from mpfcad.backlight.stack import Stack
+from mpfcad.errors import InputError
+
+_WAVELENGTH = Quantity(550.0, "assumed", "default: the middle of the visible")
+
+
+def derive(where: str, stack: Stack) -> Stack:
+    """Return the stack with every number that follows from those given.
+
+    Raises
+    ------
+    InputError
+        when a value that is needed is missing.
+    """
+    quantity = dict(stack.quantity)
+    for name, layer in stack.own.items():
+        for value, (_, _, default) in OWN_VALUES[layer.kind].items():
+            key = f"{name}.{value}"
+            if key not in quantity:
+                quantity[key] = _default(where, key, default, quantity)
+    if stack.extent == "panel":
+        for key, base in (
+            ("lamp_length_mm", "panel_length_mm"),
+            ("wall_reflectance", "reflector_reflectance"),
+            ("wall_specular_fraction", "reflector_specular_fraction"),
+        ):
+            if key not in quantity:
+                quantity[key] = Quantity(quantity[base].value, "assumed", f"default: {base}")
+    for body in MEDIUM:
+        quantity.update(_scattering(where, body, quantity))
+    return stack.with_values(quantity)
+
+
+def _default(
+    where: str, key: str, default: str | float | None, quantity: dict[str, Quantity]
+) -> Quantity:
+    if default is None:
+        raise InputError(f"{where}: layers: {key}: missing: must be given")
+    if isinstance(default, str):
+        base = quantity[default]
+        return Quantity(base.value, base.tag, f"as {default}: {base.source}")
+    return Quantity(default, "assumed", "default")
+
+
+def _scattering(where: str, body: str, quantity: dict[str, Quantity]) -> dict[str, Quantity]:
+    """Return coefficient and asymmetry of the particles in a plate or resin, where there are."""
+    keys = [f"{body}_{name}" for name in PARTICLE]
+    there = [key for key in keys if key in quantity]
+    if not there:
+        if f"{body}_scattering_per_mm" in quantity and f"{body}_asymmetry" not in quantity:
+            return {f"{body}_asymmetry": Quantity(0.0, "assumed", "default: isotropic")}
+        return {}
+    missing = [key for key in keys if key not in quantity]
+    if missing:
+        raise InputError(f"{where}: {missing[0]}: missing: particles need all of {', '.join(keys)}")
+    wavelength = quantity.get("light_wavelength_nm", _WAVELENGTH)
+    particles = build_particles({**quantity, "light_wavelength_nm": wavelength}, body)
+    tags = {quantity[key].tag for key in keys}
+    tag = "assumed" if "assumed" in tags else "sourced" if "sourced" in tags else "given"
+    source = f"Mie's theory, from {', '.join(keys)}, {MEDIUM[body]}, light_wavelength_nm"
+    return {
+        "light_wavelength_nm": wavelength,
+        f"{body}_scattering_per_mm": Quantity(particles.scattering, tag, source),
+        f"{body}_asymmetry": Quantity(particles.asymmetry, tag, source),
+    }

@@ -1,0 +1,125 @@
+"""Layers with values of their own: more films, plates and sheets than the named ones."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from mpfcad.errors import InputError
+
+#: What a layer may be by name alone, with what it is in words.
+LAYERS = {
+    "clear_plate": "clear plate",
+    "diffusing_plate": "diffusing plate",
+    "bottom_sheet": "bottom diffuser sheet",
+    "film": "film",
+    "bonded_film": "film bonded on the plate",
+    "top_sheet": "top diffuser sheet",
+}
+_INDEX, _ANGLE = (1.0, 4.0), (-360.0, 360.0)
+#: Values of a layer's own by its kind: lowest, highest, and the stack's value or the number that
+#: stands for it where it is left out (None: must be given).
+OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
+    "film": {"index": (*_INDEX, "film_index"), "rotation_deg": (*_ANGLE, 0.0)},
+    "bef": {
+        "pitch_um": (1.0, 2000.0, 50.0),
+        "depth_um": (1.0, 2000.0, 25.0),
+        "base_um": (1.0, 5000.0, 200.0),
+        "index": (*_INDEX, "film_index"),
+        "rotation_deg": (*_ANGLE, 0.0),
+    },
+    "plate": {
+        "thickness_mm": (0.01, 100.0, "plate_thickness_mm"),
+        "index": (*_INDEX, "plate_index"),
+        "scattering_per_mm": (0.0, 100.0, 0.0),
+        "asymmetry": (-0.99, 0.99, 0.0),
+        "absorption_per_mm": (0.0, 100.0, 0.0),
+    },
+    "sheet": {
+        "sigma": (0.0, 10.0, None),
+        "index": (*_INDEX, "sheet_index"),
+        "transmission": (0.0, 1.0, "sheet_transmission"),
+    },
+    "bsdf": {},
+}
+_FLAGS = ("kind", "name", "file", "flipped")
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer with values of its own, which the stack holds as `name.value`.
+
+    Attributes
+    ----------
+    name, kind
+        unique in the stack; a key of `OWN_VALUES`
+    file
+        the mesh of a film beside the job's; None: the job's film, or no film
+    flipped
+        whether a film lies upside down
+    """
+
+    name: str
+    kind: str
+    file: str | None = None
+    flipped: bool = False
+
+    @property
+    def title(self) -> str:
+        """What it is, in words."""
+        words = {"film": "film", "bef": "prism film", "plate": "plate", "sheet": "diffuser sheet",
+                 "bsdf": "element by its BSDF table"}  # fmt: skip
+        where = f" {Path(self.file).name}" if self.file else ""
+        down = ", upside down" if self.flipped else ""
+        return f"{words[self.kind]}{where}{down}"
+
+
+def read_layer(
+    where: str, entry: object, place: int, folder: Path
+) -> tuple[str, Layer | None, dict[str, object]]:
+    """Return (name, own layer or None, its own values as given) of an entry of `layers`.
+
+    `place` counts from 1; files are beside `folder`.
+
+    Raises
+    ------
+    InputError
+        when the entry is neither a known name nor a table of a known kind.
+    """
+    if isinstance(entry, str):
+        if entry not in LAYERS:
+            raise InputError(f"{where}: layers: {entry}: must be one of {', '.join(LAYERS)}")
+        return entry, None, {}
+    if not isinstance(entry, dict) or entry.get("kind") not in OWN_VALUES:
+        kinds = ", ".join(OWN_VALUES)
+        raise InputError(f"{where}: layers: {entry}: must be a name or have a kind of {kinds}")
+    kind = entry["kind"]
+    name = _own_name(where, entry, place)
+    at = f"{where}: layers: {name}"
+    if kind == "bsdf":
+        return name, Layer(name, kind), {}
+    is_film = kind in ("film", "bef")
+    allowed = [*_FLAGS[:2], *(("file",) if kind == "film" else ()), *OWN_VALUES[kind]]
+    allowed += ["flipped"] if is_film else []
+    unknown = sorted(set(entry) - set(allowed))
+    if unknown:
+        raise InputError(f"{at}: {unknown[0]}: unknown key; allowed: {', '.join(allowed)}")
+    flipped, file = entry.get("flipped", False), entry.get("file")
+    if not isinstance(flipped, bool):
+        raise InputError(f"{at}: flipped: {flipped}: must be true or false")
+    if file is not None:
+        file = str(folder / str(file))
+        if not Path(file).is_file():
+            raise InputError(f"{at}: file: {file}: not found")
+    values = {key: value for key, value in entry.items() if key not in _FLAGS}
+    return name, Layer(name, kind, file, flipped), values
+
+
+def _own_name(where: str, entry: dict[str, object], place: int) -> str:
+    """Return the checked name of a layer with values of its own."""
+    name = entry.get("name", f"{entry['kind']}_{place}")
+    at = f"{where}: layers: {name}"
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,40}", name):
+        raise InputError(f"{at}: name: must be small letters, digits and _, a letter first")
+    if name in (*LAYERS, "reflector"):
+        raise InputError(f"{at}: name: must not be that of a named layer")
+    return name

@@ -1,0 +1,157 @@
+"""A stack lowered to the elements that are traced."""
+
+import numpy as np
+
+from mpfcad.backlight.particle import build_particles
+from mpfcad.backlight.stack import Stack
+from mpfcad.errors import InputError
+from mpfcad.optics.mesh import FilmMesh, read_film_mesh
+from mpfcad.optics.panel import Panel
+from mpfcad.optics.resin import Resin
+from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
+from mpfcad.units import deg, um
+
+
+def lower_stack(
+    stack: Stack, mesh: FilmMesh | None, offset: float, prism: FilmMesh | None
+) -> list[Element]:
+    """Return the elements of a stack from the bottom up (`Stack.elements`).
+
+    Raises
+    ------
+    InputError
+        when the mesh of another film, or that of the prisms, cannot be traced.
+    """
+    if stack.has_slot != (mesh is not None):
+        what = "its film needs a mesh" if stack.has_slot else "has no film: allowed is no mesh"
+        raise InputError(f"stack {stack.name}: {what}")
+    elements: list[Element] = [_cavity(stack)]
+    for i, layer in enumerate(stack.layers):
+        if layer in stack.own:
+            elements.append(_own_layer(stack, layer, mesh, offset, prism))
+        elif stack.kind_of(layer) == "plate":
+            bonded = i + 1 < len(stack.layers) and stack.layers[i + 1] == "bonded_film"
+            elements.append(_plate(stack, layer == "diffusing_plate", bonded))
+        elif stack.kind_of(layer) == "sheet":
+            sigma, transmission = stack[f"{layer}_sigma"], stack["sheet_transmission"]
+            elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
+        else:
+            below = elements[-1].index if layer == "bonded_film" else 1.0
+            resin = _resin(stack, mesh, prism)
+            elements.append(Film(mesh, stack["film_index"], below, offset, resin=resin))
+    return elements
+
+
+def _words(layer: str) -> str:
+    return layer.replace("_", " ")
+
+
+def _cavity(stack: Stack) -> Cavity:
+    table = stack.tables.get("reflector")
+    return Cavity(
+        height=stack.thickness,
+        lamp_pitch=stack.lamp_pitch,
+        lamp_position=0.0,
+        lamp_height=stack["lamp_height_mm"],
+        lamp_radius=stack["lamp_radius_mm"],
+        lamp_luminance=stack["lamp_luminance_cd_m2"],
+        lamp_reflectance=stack["lamp_reflectance"],
+        reflectance=stack["reflector_reflectance"],
+        specular_fraction=stack["reflector_specular_fraction"],
+        name="reflector",
+        panel=_panel(stack) if stack.extent == "panel" else None,
+        brdf=table.table if table else None,
+        blend=table.blend if table else 1.0,
+    )
+
+
+def _panel(stack: Stack) -> Panel:
+    """Return the panel with the central lamp's place at x = 0 and the middle at y = 0."""
+    left = -stack.lamp_position(stack.central_lamp)
+    half = stack.panel_length / 2
+    lamps = range(stack.lamp_count)
+    return Panel(
+        left,
+        left + stack.panel_width,
+        -half,
+        half,
+        tuple(left + stack.shifted_position(i) for i in lamps),
+        tuple(stack.lamp_factor(i) for i in lamps),
+        stack["lamp_length_mm"],
+        stack["wall_reflectance"],
+        stack["wall_specular_fraction"],
+    )
+
+
+def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
+    volume = {}
+    if diffusing:
+        particles = build_particles(stack.quantity, "plate")
+        volume = {
+            "scattering": stack["plate_scattering_per_mm"],
+            "absorption": stack["plate_absorption_per_mm"],
+            "asymmetry": stack["plate_asymmetry"],
+            "phase": None if particles is None else particles.phase(),
+        }
+    return Slab(stack["plate_index"], stack["plate_thickness_mm"], bonded=bonded, **volume)
+
+
+def _resin(stack: Stack, mesh: FilmMesh, prism: FilmMesh | None) -> Resin | None:
+    if not stack.resin_scatters:
+        return None
+    if prism is None:
+        raise InputError("resin that scatters needs the mesh of the prisms without it")
+    if prism.size[0] != mesh.size[0]:
+        raise InputError(
+            f"the prisms' mesh is {prism.size[0]:g} mm wide: must be as wide as the film's, "
+            f"{mesh.size[0]:g} mm"
+        )
+    particles = build_particles(stack.quantity, "resin")
+    phase = None if particles is None else particles.phase()
+    return Resin(prism, stack["resin_scattering_per_mm"], stack["resin_asymmetry"], phase)
+
+
+def _own_layer(
+    stack: Stack, name: str, mesh: FilmMesh, offset: float, prism: FilmMesh | None
+) -> Element:
+    """Return the element of a layer with values of its own."""
+    layer = stack.own[name]
+    if layer.kind == "bsdf":
+        table = stack.tables[name]
+        return BsdfSheet(table.table, table.blend, _words(name))
+
+    def value(key: str) -> float:
+        return stack[f"{name}.{key}"]
+
+    words = _words(name)
+    if layer.kind == "plate":
+        volume = (value("scattering_per_mm"), value("absorption_per_mm"), value("asymmetry"))
+        bonded = stack.layers.index(name) + 1 < len(stack.layers) and (
+            stack.layers[stack.layers.index(name) + 1] == "bonded_film"
+        )
+        return Slab(value("index"), value("thickness_mm"), *volume, bonded, words)
+    if layer.kind == "sheet":
+        return Sheet(value("sigma"), value("index"), value("transmission"), words)
+    resin = None
+    if layer.kind == "bef":
+        mesh, offset = (
+            _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base"))),
+            0.0,
+        )
+    elif layer.file is not None:
+        mesh, offset = read_film_mesh(layer.file), 0.0
+    else:
+        resin = _resin(stack, mesh, prism)
+    return Film(
+        mesh, value("index"), 1.0, offset, None, words,
+        rotation=value("rotation_deg") * deg, flipped=layer.flipped, resin=resin,
+    )  # fmt: skip
+
+
+def _bef_mesh(pitch: float, depth: float, base: float) -> FilmMesh:
+    """Return one groove of a plain prism film [mm], from tip to tip."""
+    x = np.tile([0.0, pitch / 2, pitch], 2)
+    z = np.tile([base + depth, base, base + depth], 2)
+    vertex = np.stack([x, np.repeat([0.0, pitch], 3), z], axis=1)
+    top = np.array([[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]])
+    return FilmMesh(vertex, top, (pitch, pitch, base + depth))

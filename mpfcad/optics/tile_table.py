@@ -1,0 +1,80 @@
+"""Any number of film tiles as one set of flat arrays, so that kernels are compiled once for all.
+
+The arrays of each accelerator lie one after another, with the place of each tile's part; a kernel
+takes a tile out as views of them.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.optics.bvh import Bvh
+from mpfcad.optics.chain import Chain
+from mpfcad.optics.kernel import kernel
+from mpfcad.optics.tile import NO_TILE, Tile
+
+
+class TileTable(NamedTuple):
+    """Tiles, one after another.
+
+    Attributes
+    ----------
+    size
+        (t, 4) float64 [mm], width, length, low and high of each
+    accelerator
+        (t,) int64, of each
+    chain, bvh
+        their accelerators' arrays, joined
+    chain_at, bvh_at
+        (t+1, fields) int64, where the part of each tile begins in each of those arrays
+    """
+
+    size: NDArray[np.float64]
+    accelerator: NDArray[np.int64]
+    chain: Chain
+    bvh: Bvh
+    chain_at: NDArray[np.int64]
+    bvh_at: NDArray[np.int64]
+
+
+def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
+    """Return the table of some tiles; of none, one that is never looked at."""
+    tiles = tiles or [NO_TILE]
+    size = np.array([(t.width, t.length, t.low, t.high) for t in tiles])
+    accelerator = np.array([t.accelerator for t in tiles], np.int64)
+    chain, chain_at = _joined([t.chain for t in tiles])
+    bvh, bvh_at = _joined([t.bvh for t in tiles])
+    return TileTable(size, accelerator, chain, bvh, chain_at, bvh_at)
+
+
+def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
+    """Return accelerators of one kind with their arrays joined, and where each part begins."""
+    counts = np.array([[len(array) for array in part] for part in parts])
+    at = np.concatenate([np.zeros((1, counts.shape[1]), np.int64), np.cumsum(counts, axis=0)])
+    arrays = (np.concatenate(same) for same in zip(*parts, strict=True))
+    return type(parts[0])(*arrays), at
+
+
+@kernel
+def tile_of(table, t):
+    """Return tile number `t` of a table, its arrays as views."""
+    c, d = table.chain_at[t], table.chain_at[t + 1]
+    chain = Chain(
+        table.chain.x[c[0] : d[0]],
+        table.chain.z[c[1] : d[1]],
+        table.chain.normal_x[c[2] : d[2]],
+        table.chain.normal_z[c[3] : d[3]],
+        table.chain.first[c[4] : d[4]],
+    )
+    c, d = table.bvh_at[t], table.bvh_at[t + 1]
+    bvh = Bvh(
+        table.bvh.box[c[0] : d[0]],
+        table.bvh.leaf[c[1] : d[1]],
+        table.bvh.skip[c[2] : d[2]],
+        table.bvh.corner[c[3] : d[3]],
+        table.bvh.normal[c[4] : d[4]],
+    )
+    size = table.size[t]
+    return Tile(size[0], size[1], size[2], size[3], table.accelerator[t], chain, bvh)
