@@ -1,5 +1,7 @@
 """Scattering by a table: what is drawn is what the table says, with energy and reciprocity."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from harness import BARE, film_mesh, pass_layers, single_paths, within
@@ -9,6 +11,7 @@ from mpfcad.optics.bsdf import bsdf_scatter, build_bsdf
 from mpfcad.optics.bsdf_basis import even_basis, klems_basis, ring_basis
 from mpfcad.optics.bsdf_table import BsdfTable
 from mpfcad.optics.engine import EYE, LAMPS, Source, trace
+from mpfcad.optics.panel import Panel
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.reference import Philox, ReferenceTracer
 from mpfcad.optics.sampling import RNG_SIZE, start_path
@@ -162,6 +165,18 @@ def test_paths_equal_the_oracle(name, blend):
         20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3, brdf=mirror_like(0.9), blend=blend
     )
     compare([cavity, Slab(1.49, 2.0), BsdfSheet(rough_table(name, loss=0.1), blend)], 120)
+
+
+def test_a_reflector_by_table_in_a_finite_panel_equals_the_oracle():
+    panel = Panel(-40.0, 60.0, -50.0, 50.0, (-20.0, 9.0), (1.0, 0.4), 80.0, 0.9, 0.4)
+    compare([replace(CAVITY, brdf=rough_brdf(), panel=panel), Slab(1.49, 2.0)], 60)
+
+
+def rough_brdf():
+    """Return a reciprocal BRDF of random values; nothing is transmitted."""
+    value = rough_table("isotropic").value.copy()
+    value[0] = 0.0
+    return BsdfTable("rough white", RINGS, True, value)
 
 
 def test_paths_with_film_and_tables_equal_the_oracle(tmp_path):
