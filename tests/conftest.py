@@ -16,12 +16,18 @@ _HERE = Path(__file__).parent
 
 
 def _kernels() -> str:
-    sources = [*(_HERE.parent / "mpfcad" / "optics").glob("*.py"), _HERE / "harness.py"]
+    package = _HERE.parent / "mpfcad"
+    sources = [*(package / "optics").glob("*.py"), package / "design" / "passage.py"]
+    sources.append(_HERE / "harness.py")
     text = b"".join(path.read_bytes() for path in sorted(sources))
     return hashlib.sha256(text).hexdigest()[:16]
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}")
+
+# What interrupted traces leave goes into a folder of this test run, never into the user's.
+_CACHE = tempfile.TemporaryDirectory(prefix="mpfcad-cache-")
+os.environ["MPFCAD_CACHE"] = _CACHE.name
 
 # A first call compiles kernels: no time limit for one example. Fixed examples: same run, same
 # result.

@@ -6,12 +6,13 @@ import numpy as np
 from numba import njit, uint64
 
 from mpfcad.optics.bsdf import bsdf_passage
-from mpfcad.optics.engine import trace_path
+from mpfcad.optics.engine import trace_paths
 from mpfcad.optics.film import film_passage, placed_film_passage
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.wave import Wave
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
 
@@ -107,13 +108,13 @@ def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: fl
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 
-@njit(cache=True)
-def single_paths(scene, source, point, seed, first, out, flow):
+def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
-    rng = np.zeros(RNG_SIZE, np.uint64)
-    for i in range(len(out)):
-        start_path(rng, uint64(seed), uint64(source.kind), uint64(first + i))
-        out[i] = trace_path(scene, source, point, flow, rng)
+    wave = Wave.empty(len(scene.kind), len(flow))
+    trace_paths(
+        scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
+        np.zeros(len(flow)),
+    )  # fmt: skip
 
 
 @njit(cache=True)

@@ -9,10 +9,11 @@ from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
 from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import RANGES, Quantity
 from mpfcad.backlight.reader import list_stacks, read_stack
-from mpfcad.backlight.stack import Stack, stack_file
+from mpfcad.backlight.stack import PRISM_FILE, Stack, stack_file
 
 __all__ = [
     "LAYERS",
+    "PRISM_FILE",
     "RANGES",
     "BsdfLayer",
     "Layer",

@@ -5,6 +5,7 @@ import numpy as np
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
+from mpfcad.optics.chain import build_chain
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.resin import Resin
@@ -12,9 +13,7 @@ from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.units import deg, um
 
 
-def lower_stack(
-    stack: Stack, mesh: FilmMesh | None, offset: float, prism: FilmMesh | None
-) -> list[Element]:
+def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float) -> list[Element]:
     """Return the elements of a stack from the bottom up (`Stack.elements`).
 
     Raises
@@ -28,7 +27,7 @@ def lower_stack(
     elements: list[Element] = [_cavity(stack)]
     for i, layer in enumerate(stack.layers):
         if layer in stack.own:
-            elements.append(_own_layer(stack, layer, mesh, offset, prism))
+            elements.append(_own_layer(stack, layer, mesh, offset))
         elif stack.kind_of(layer) == "plate":
             bonded = i + 1 < len(stack.layers) and stack.layers[i + 1] == "bonded_film"
             elements.append(_plate(stack, layer == "diffusing_plate", bonded))
@@ -37,7 +36,7 @@ def lower_stack(
             elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
         else:
             below = elements[-1].index if layer == "bonded_film" else 1.0
-            resin = _resin(stack, mesh, prism)
+            resin = _resin(stack, mesh)
             elements.append(Film(mesh, stack["film_index"], below, offset, resin=resin))
     return elements
 
@@ -96,24 +95,27 @@ def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
     return Slab(stack["plate_index"], stack["plate_thickness_mm"], bonded=bonded, **volume)
 
 
-def _resin(stack: Stack, mesh: FilmMesh, prism: FilmMesh | None) -> Resin | None:
+def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
     if not stack.resin_scatters:
         return None
-    if prism is None:
-        raise InputError("resin that scatters needs the mesh of the prisms without it")
+    if stack.prism is None:
+        raise InputError(
+            f"{stack.name}: resin that scatters: needs the mesh of the film without resin (--prism)"
+        )
+    prism = read_film_mesh(stack.prism)
+    if build_chain(prism) is None:
+        raise InputError(f"{stack.prism}: prisms under the resin: must be drawn along y")
     if prism.size[0] != mesh.size[0]:
         raise InputError(
-            f"the prisms' mesh is {prism.size[0]:g} mm wide: must be as wide as the film's, "
-            f"{mesh.size[0]:g} mm"
+            f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: must be as wide "
+            f"as the film, {mesh.size[0]:g} mm"
         )
     particles = build_particles(stack.quantity, "resin")
     phase = None if particles is None else particles.phase()
     return Resin(prism, stack["resin_scattering_per_mm"], stack["resin_asymmetry"], phase)
 
 
-def _own_layer(
-    stack: Stack, name: str, mesh: FilmMesh, offset: float, prism: FilmMesh | None
-) -> Element:
+def _own_layer(stack: Stack, name: str, mesh: FilmMesh, offset: float) -> Element:
     """Return the element of a layer with values of its own."""
     layer = stack.own[name]
     if layer.kind == "bsdf":
@@ -141,7 +143,7 @@ def _own_layer(
     elif layer.file is not None:
         mesh, offset = read_film_mesh(layer.file), 0.0
     else:
-        resin = _resin(stack, mesh, prism)
+        resin = _resin(stack, mesh)
     return Film(
         mesh, value("index"), 1.0, offset, None, words,
         rotation=value("rotation_deg") * deg, flipped=layer.flipped, resin=resin,

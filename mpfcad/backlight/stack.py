@@ -19,6 +19,8 @@ from mpfcad.optics.scene import Element
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 EXTENTS = ("pitch", "panel")
+#: The film without resin, in an export.
+PRISM_FILE = "prism.stl"
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class Stack:
         by name, the layers with values of their own, which `quantity` holds as `name.value`
     tables
         by the layer's name, BSDF tables; `reflector`: one in the place of the reflector's values
+    prism
+        mesh file of the job's film without resin: needed where the resin scatters
     """
 
     name: str
@@ -49,6 +53,7 @@ class Stack:
     extent: Literal["pitch", "panel"] = "pitch"
     own: dict[str, Layer] = field(default_factory=dict)
     tables: dict[str, BsdfLayer] = field(default_factory=dict)
+    prism: Path | None = None
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -146,12 +151,16 @@ class Stack:
         return {name: Path(layer.file) for name, layer in self.own.items() if layer.file}
 
     def with_files_in(self, folder: Path) -> "Stack":
-        """Return the stack with the meshes of `files` as `stack-NAME.stl` of a folder."""
+        """Return the stack with the meshes that it needs besides the film's in a folder."""
         own = {
             name: replace(layer, file=str(Path(folder) / stack_file(name))) if layer.file else layer
             for name, layer in self.own.items()
         }
-        return replace(self, own=own)
+        return replace(self, own=own).with_prism(Path(folder) / PRISM_FILE)
+
+    def with_prism(self, prism: Path | None) -> "Stack":
+        """Return the stack with the mesh file of the film without resin."""
+        return replace(self, prism=prism)
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
         """Return the stack with some quantities replaced."""
@@ -172,22 +181,19 @@ class Stack:
             {"name": k, **table.describe_source()} for k, table in self.tables.items()
         ]
 
-    def elements(
-        self, mesh: FilmMesh | None, offset: float = 0.0, prism: FilmMesh | None = None
-    ) -> list[Element]:
+    def elements(self, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
         """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
-        `offset` [mm] is the x of the film tile's left edge; `prism` the film without resin, which a
-        resin that scatters needs.
+        `offset` [mm] is the x of the film tile's left edge.
 
         Raises
         ------
         InputError
-            when the mesh of another film cannot be traced.
+            when the mesh of another film, or of the prisms under the resin, cannot be traced.
         """
         from mpfcad.backlight.lower import lower_stack
 
-        return lower_stack(self, mesh, offset, prism)
+        return lower_stack(self, mesh, offset)
 
 
 def stack_file(layer: str) -> str:

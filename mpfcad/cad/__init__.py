@@ -11,12 +11,13 @@ loaded only when used.
 """
 
 from mpfcad.cad.agreement import Agreement, check_agreement
+from mpfcad.cad.mesh_check import MeshCheck
 from mpfcad.cad.mesh_file_check import BodyCheck, check_3mf, check_ply
 from mpfcad.cad.ply import write_ply
 from mpfcad.cad.step import write_step
 from mpfcad.cad.step_check import StepCheck, check_step
 from mpfcad.cad.stl import write_stl
-from mpfcad.cad.stl_check import MeshCheck, check_stl
+from mpfcad.cad.stl_check import check_stl
 from mpfcad.cad.threemf import write_3mf
 
 __all__ = [

@@ -73,6 +73,12 @@ def _pyramids(
     ring = (middle[:, None, None] + quarter * (w - steps[1:-1])[:, None, None]).reshape(-1, 2)
     flat = np.concatenate([ground, ring, middle])
     height = film.base + film.groove.height(steps, film.curvature, film.profile)
+    if (
+        len(steps) == 2
+        and film.profile == "filled"
+        and film.curvature > film.groove.curvature_covered
+    ):
+        height[0] = film.base  # its resin is merged into the bare walls
     z = np.concatenate(
         [
             np.full(len(ground), height[0]),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.mesh import mesh_contact, mesh_sliver
-from mpfcad.cad.stl_check import refuse_above
+from mpfcad.cad.mesh_check import refuse_above
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
 

@@ -1,49 +1,33 @@
 """Read the files of a section's body back and compare them with its exact pieces."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mpfcad.cad.mesh_check import (
+    MeshCheck,
+    check_closed,
+    check_extent,
+    read_facets,
+    refuse_above,
+    select_top,
+)
 from mpfcad.cad.section_mesh import chord_tolerance
-from mpfcad.cad.step_check import bounding_box, check_solids, enclosed_volume, read_bodies
-from mpfcad.cad.stl_check import check_closed, read_facets, refuse_above
-from mpfcad.errors import ExportError
-from mpfcad.film import Section
+from mpfcad.cad.step_check import StepCheck, check_one_body
+from mpfcad.film import PrismFilm, Section
+from mpfcad.film.section import ARC
 
 #: Largest relative error of the volume of a mesh, and of a solid.
 VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 2e-9
-#: Largest error [mm] of a solid's extents.
-EXTENT_TOLERANCE = 1e-6
 
 
-@dataclass(frozen=True)
-class SectionMeshCheck:
-    """What an STL file of a section's body was found to hold.
-
-    Attributes
-    ----------
-    volume_error
-        relative error of the enclosed volume
-    normal_error_rms
-        rms angle [rad] between a facet and the surface's secant between the facet's ends: rounding
-    normal_error_max
-        largest angle [rad] between a facet and the surface at the facet's two ends
-    height_error_max
-        largest distance [mm] in z between a corner and the surface
-    triangle_count
-        number of facets
-    """
-
-    volume_error: float
-    normal_error_rms: float
-    normal_error_max: float
-    height_error_max: float
-    triangle_count: int
-
-
-def check_section_stl(path: Path, section: Section, angle_tolerance: float) -> SectionMeshCheck:
+def check_section_stl(
+    path: Path, section: Section, angle_tolerance: float, film: PrismFilm | None = None
+) -> MeshCheck:
     """Return what the STL file at `path` holds, once it is found to be the section's body.
+
+    With `film`, whose parabolas the section has, the curvature of each groove is recovered.
 
     Raises
     ------
@@ -53,65 +37,83 @@ def check_section_stl(path: Path, section: Section, angle_tolerance: float) -> S
     """
     path = Path(path)
     corner, normal = read_facets(path)
-    volume = check_closed(path, corner, normal)
-    error = volume / section.volume - 1
+    error = check_closed(path, corner, normal) / section.volume - 1
     refuse_above(path, "relative volume error", abs(error), VOLUME_TOLERANCE)
-    extent = corner.max(axis=(0, 1))[:2], corner.min(axis=(0, 1))
-    size = np.array([section.width, section.length], np.float32)
-    low = np.array([0, 0, section.underside], np.float32)
-    if np.any(extent[0] != size) or np.any(extent[1] != low):
-        raise ExportError(f"{path.name}: extent {extent} mm: must be {size} mm from {low}")
-    top = corner[_is_top(corner, size, low[2])]
-    left, right = top[:, :, 0].min(axis=1), top[:, :, 0].max(axis=1)
-    step = 2 * float(np.spacing(np.float32(section.width)))
-    piece = section.piece_of((left + right) / 2)
-    area = np.cross(top[:, 1] - top[:, 0], top[:, 2] - top[:, 0])
+    # How high chords reach in a convex arc is a matter of their number: heights are checked below.
+    top = float(corner[..., 2].max())
+    low = (0.0, 0.0, section.underside)
+    check_extent(path, corner, low, (section.width, section.length, top))
+    facet = select_top(corner)
+    left, right = facet[:, :, 0].min(axis=1), facet[:, :, 0].max(axis=1)
+    middle = (left + right) / 2
+    piece = section.piece_of(middle)
+    area = np.cross(facet[:, 1] - facet[:, 0], facet[:, 2] - facet[:, 0])
     lean = np.abs(area[:, 1]) / np.linalg.norm(area, axis=1)
     angle = np.arctan2(-area[:, 0], area[:, 2])
     rise = section.height_on(piece, right) - section.height_on(piece, left)
     secant = np.hypot(angle - np.arctan2(rise, right - left), lean)
-    ends = np.maximum(
-        *[np.hypot(angle - np.arctan(section.slope_on(piece, x)), lean) for x in (left, right)]
+    at_middle, at_left, at_right = (
+        np.hypot(angle - np.arctan(section.slope_on(piece, x)), lean) for x in (middle, left, right)
     )
+    ends = np.maximum(at_left, at_right)
     allowed = chord_tolerance(section, angle_tolerance, piece, left, right)
-    beyond = float(np.max(ends - allowed))
-    refuse_above(path, "normal error beyond the tolerance [rad]", beyond, 1e-9)
-    height = np.abs(top[:, :, 2] - section.height(top[:, :, 0])).max()
+    worst = int(np.argmax(ends / allowed))
+    refuse_above(path, "normal error [rad]", float(ends[worst]), float(allowed[worst]) + 1e-9)
+    height = float(np.abs(facet[:, :, 2] - section.height(facet[:, :, 0])).max())
+    step = 2 * float(np.spacing(np.float32(section.width)))
     limit = step * 2 + 2 * float(np.spacing(np.float32(np.abs(section.z).max())))
-    refuse_above(path, "height error [mm]", float(height), limit)
-    rms = float(np.sqrt(np.mean(secant**2)))
-    return SectionMeshCheck(float(error), rms, float(ends.max()), float(height), len(corner))
+    refuse_above(path, "height error [mm]", height, limit)
+    return MeshCheck(
+        True,
+        float(error),
+        VOLUME_TOLERANCE,
+        _rms(at_middle),
+        _rms(secant),
+        float(ends[worst]),
+        float(allowed[worst]),
+        height,
+        len(corner),
+        None if film is None else _recover_curvature(film, facet, section.kind[piece] != ARC),
+    )
 
 
-def check_section_step(path: Path, section: Section, body: str) -> float:
-    """Return the volume [mm³] of the one solid `body` in a STEP file, once it is the section's.
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _recover_curvature(
+    film: PrismFilm, facet: NDArray[np.float64], straight: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return C [1/mm] of each groove, (n,), by least squares over facets above its walls.
+
+    On the parabola, tip - z = C/2 (w² - x²), though an arc may stand in the tip's place. A groove
+    without such facets counts as empty.
+    """
+    middle = facet[:, :, 0].mean(axis=1)
+    groove = np.clip((middle / film.groove.pitch).astype(int), 0, film.groove_count - 1)
+    local = facet[:, :, 0] - film.groove_position[groove][:, None]
+    wall = film.base + film.groove.wall_slope * np.abs(local.mean(axis=1))
+    above = facet[:, :, 2].mean(axis=1) - wall
+    rounding = 4 * film.groove.wall_slope * float(np.spacing(np.float32(film.width)))
+    used = straight & ((film.profile == "ideal") | (above > rounding))
+    room = film.groove.half_width**2 - local[used] ** 2
+    drop = film.thickness - facet[used][:, :, 2]
+    place = np.repeat(groove[used], 3)
+    count = film.groove_count
+    weighted = np.bincount(place, (drop * room).ravel(), count)
+    square = np.bincount(place, (room**2).ravel(), count)
+    empty = np.full(count, film.groove.curvature_empty)
+    return np.divide(2 * weighted, square, out=empty, where=square > 0)
+
+
+def check_section_step(path: Path, section: Section, body: str) -> StepCheck:
+    """Return what a STEP file holds, once it is found to be the section's one solid `body`.
 
     Raises
     ------
     ExportError
         when it holds another body, or one that is not valid or off in volume or extent.
     """
-    path = Path(path)
-    shapes = read_bodies(path)
-    if set(shapes) != {body}:
-        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {body}")
-    check_solids(path, body, shapes[body], 1)
-    volume = enclosed_volume(shapes[body])
-    error = abs(volume / section.volume - 1)
-    refuse_above(path, "relative volume error", error, SOLID_VOLUME_TOLERANCE)
-    low, high = bounding_box(shapes)
-    top = section.underside + section.thickness
-    off = max(
-        np.abs(low - (0, 0, section.underside)).max(),
-        np.abs(high - (section.width, section.length, top)).max(),
-    )
-    refuse_above(path, "extent error [mm]", float(off), EXTENT_TOLERANCE)
-    return volume
-
-
-def _is_top(corner: np.ndarray, size: np.ndarray, underside: float) -> np.ndarray:
-    side = np.all(corner[:, :, 2] == underside, axis=1)
-    for axis in (0, 1):
-        for level in (0.0, size[axis]):
-            side |= np.all(corner[:, :, axis] == level, axis=1)
-    return ~side
+    low = (0.0, 0.0, section.underside)
+    high = (section.width, section.length, section.underside + section.thickness)
+    return check_one_body(path, body, section.volume, low, high, SOLID_VOLUME_TOLERANCE)

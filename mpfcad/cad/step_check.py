@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.cad.mesh_check import refuse_above
 from mpfcad.cad.outline import solid_contact
 from mpfcad.cad.solid import Bodies
-from mpfcad.cad.step_text import check_text, read_step_text
-from mpfcad.cad.stl_check import refuse_above
+from mpfcad.cad.step_text import MILLIMETRE, check_text, read_step_text
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
 
@@ -105,6 +105,39 @@ def _expected(film: PrismFilm, bodies: Bodies) -> dict[str, tuple[int, float]]:
         return {"film": (1, film.prism_volume + fill)}
     expected = {"BEF": (1, film.prism_volume)}
     return {**expected, "fill": (int(resin.sum()), fill)} if resin.any() else expected
+
+
+def check_one_body(
+    path: Path,
+    body: str,
+    volume: float,
+    low: tuple[float, float, float],
+    high: tuple[float, float, float],
+    volume_tolerance: float,
+) -> StepCheck:
+    """Return what the STEP file at `path` holds, once it is one solid `body` of this size [mm].
+
+    Raises
+    ------
+    ExportError
+        when it is not in mm, holds another body, or one that is not valid or off in volume (by more
+        than `volume_tolerance`) or extent.
+    """
+    path = Path(path)
+    units = read_step_text(path).units
+    if units != MILLIMETRE:
+        raise ExportError(f"{path.name}: length units {sorted(units)}: must all be millimetres")
+    shapes = read_bodies(path)
+    if set(shapes) != {body}:
+        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {body}")
+    check_solids(path, body, shapes[body], 1)
+    found = enclosed_volume(shapes[body])
+    error = abs(found / volume - 1)
+    refuse_above(path, "relative volume error", error, volume_tolerance)
+    corners = bounding_box(shapes)
+    off = max(float(np.abs(a - b).max()) for a, b in zip(corners, (low, high), strict=True))
+    refuse_above(path, "extent error [mm]", off, EXTENT_TOLERANCE)
+    return StepCheck(True, {body: found}, error, *map(_triple, corners), "mm", {body: 1})
 
 
 def read_bodies(path: Path) -> dict[str, TopoDS_Shape]:

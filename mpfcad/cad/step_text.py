@@ -11,6 +11,8 @@ from mpfcad.cad.outline import has_solid_parabola
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
 
+#: The only length unit that a file may state.
+MILLIMETRE = {".MILLI.,.METRE."}
 #: Largest error [mm] of a parabola's place.
 PLACE_TOLERANCE = 1e-9
 #: Largest relative error of a parabola's curvature.
@@ -29,21 +31,29 @@ class StepText:
         names of all products
     solid_count
         number of solids
-    vertex
-        (p, 3) float64 [mm], the vertices of the parabolas
+    vertex, normal
+        (p, 3) float64 [mm] and unit vectors, the vertices of the parabolas and their planes
     curvature
-        (p,) float64 [1/mm] of the parabolas, 1/(2 focal length)
+        (p,) float64 [1/mm] of the parabolas, 1/(2 focal length); negative where they open downward
+    centre, radius
+        (c, 3) and (c,) float64 [mm] of the circles
     plane_point, plane_normal
         (q, 3) float64 [mm] and unit vectors of the planes
+    patch
+        (b, 3, 3, 3) float64 [mm], the control points of the biquadratic patches
     """
 
     units: frozenset[str]
     products: frozenset[str]
     solid_count: int
     vertex: NDArray[np.float64]
+    normal: NDArray[np.float64]
     curvature: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    radius: NDArray[np.float64]
     plane_point: NDArray[np.float64]
     plane_normal: NDArray[np.float64]
+    patch: NDArray[np.float64]
 
 
 def read_step_text(path: Path) -> StepText:
@@ -75,23 +85,32 @@ def read_step_text(path: Path) -> StepText:
 
 
 def _surfaces(text: bytes) -> tuple[NDArray[np.float64], ...]:
-    """Return vertices and curvatures of the parabolas, points and normals of the planes."""
+    """Return the attributes of parabolas, circles, planes and patches."""
     axes = {
-        key: (origin, axis)
-        for key, origin, axis in re.findall(
-            rb"(#\d+)=AXIS2_PLACEMENT_3D\('[^']*',(#\d+),(#\d+)", text
+        key: places
+        for key, *places in re.findall(
+            rb"(#\d+)=AXIS2_PLACEMENT_3D\('[^']*',(#\d+),(#\d+),(#\d+)\)", text
         )
     }
     points = dict(re.findall(rb"(#\d+)=CARTESIAN_POINT\('[^']*',\(([^)]*)\)\)", text))
     directions = dict(re.findall(rb"(#\d+)=DIRECTION\('[^']*',\(([^)]*)\)\)", text))
     parabolas = re.findall(rb"=PARABOLA\('[^']*',(#\d+),([^)]*)\)", text)
+    circles = re.findall(rb"=CIRCLE\('[^']*',(#\d+),([^)]*)\)", text)
     planes = re.findall(rb"=PLANE\('[^']*',(#\d+)\)", text)
+    patches = re.findall(rb"=B_SPLINE_SURFACE_WITH_KNOTS\('[^']*',2,2,\(([#\d,()]*)\),\.", text)
     focal = np.array([float(value) for _, value in parabolas])
+    opening = _triples([directions[axes[key][2]] for key, _ in parabolas])
     return (
         _triples([points[axes[key][0]] for key, _ in parabolas]),
-        1 / (2 * focal),
+        _triples([directions[axes[key][1]] for key, _ in parabolas]),
+        np.sign(opening[:, 2]) / (2 * focal),
+        _triples([points[axes[key][0]] for key, _ in circles]),
+        np.array([float(value) for _, value in circles]),
         _triples([points[axes[key][0]] for key in planes]),
         _triples([directions[axes[key][1]] for key in planes]),
+        _triples([points[key] for patch in patches for key in re.findall(rb"#\d+", patch)]).reshape(
+            -1, 3, 3, 3
+        ),
     )
 
 
@@ -107,7 +126,7 @@ def check_text(path: Path, found: StepText, film: PrismFilm, solids: dict[str, i
     ExportError
         naming what differs.
     """
-    if found.units != {".MILLI.,.METRE."}:
+    if found.units != MILLIMETRE:
         raise ExportError(
             f"{path.name}: length units {sorted(found.units)}: must all be millimetres"
         )

@@ -1,13 +1,19 @@
 """Read an STL file back with trimesh and manifold3d, and compare it with the film it should be."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.mesh import mesh_contact
-from mpfcad.errors import ExportError
+from mpfcad.cad.mesh_check import (
+    MeshCheck,
+    check_closed,
+    check_extent,
+    read_facets,
+    refuse_above,
+    select_top,
+)
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg
 
@@ -17,41 +23,6 @@ VOLUME_TOLERANCE = 1e-4
 NORMAL_RMS_TOLERANCE = 0.01 * deg
 #: Largest error [1/mm] of a curvature recovered from the facets, besides the stretch by rounding.
 CURVATURE_TOLERANCE = 0.01
-
-
-@dataclass(frozen=True, eq=False)
-class MeshCheck:
-    """What an STL file was found to hold.
-
-    Attributes
-    ----------
-    watertight
-        every edge is shared by exactly two facets of opposite sense, and they bound one body
-    volume_error
-        relative error of the enclosed volume
-    normal_error_rms
-        rms angle [rad] between a facet and the film's surface at the facet's middle, where the
-        tangent of a parabola is parallel to its chord: the error of rounding alone
-    secant_error_rms
-        rms angle [rad] between a facet and the secant of the film's surface between its two ends
-    normal_error_max
-        largest angle [rad] between a facet and the film's surface at the facet's two ends
-    height_error_max
-        largest distance [mm] in z between a corner and the film's surface at its x
-    triangle_count
-        number of facets
-    curvature
-        (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls
-    """
-
-    watertight: bool
-    volume_error: float
-    normal_error_rms: float
-    secant_error_rms: float
-    normal_error_max: float
-    height_error_max: float
-    triangle_count: int
-    curvature: NDArray[np.float64]
 
 
 def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
@@ -68,8 +39,8 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     volume = check_closed(path, corner, normal)
     volume_error = volume / film.volume - 1
     refuse_above(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
-    top = corner[_is_top(path, corner, film)]
-    facets = _Facets(film, top)
+    check_extent(path, corner, (0, 0, 0), (film.width, film.length, film.thickness))
+    facets = _Facets(film, select_top(corner))
 
     error = facets.middle_error()
     rms = float(np.sqrt(np.mean(error**2)))
@@ -85,87 +56,18 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
     secant = float(np.sqrt(np.mean(facets.secant_error() ** 2)))
     volume_error = float(volume_error)
-    return MeshCheck(True, volume_error, rms, secant, largest, height, len(corner), curvature)
-
-
-def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
-    """Raise ExportError unless `value` is at most `limit`."""
-    # Written so that NaN fails.
-    if not value <= limit:
-        raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
-
-
-def read_facets(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the corners (t, 3, 3) and the stored normals (t, 3) of the facets."""
-    from trimesh.exchange.stl import load_stl_binary
-
-    try:
-        with path.open("rb") as file:
-            read = load_stl_binary(file)
-    except Exception as error:
-        raise ExportError(f"{path.name}: not a binary STL file: {error}") from error
-    corner = np.asarray(read["vertices"], np.float64)[np.asarray(read["faces"])]
-    if len(corner) == 0 or not np.isfinite(corner).all():
-        raise ExportError(f"{path.name}: no facets, or coordinates that are not finite")
-    return corner, np.asarray(read["face_normals"], np.float64)
-
-
-def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
-    """Return the volume [mm³], once the facets bound one closed body and face outward."""
-    import manifold3d
-    import trimesh
-
-    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    size = np.linalg.norm(area, axis=1)
-    if not np.all(size > 0):
-        raise ExportError(f"{path.name}: facet {int(np.argmin(size))} has no area")
-    misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
-    refuse_above(path, "stored normal against the corners", float(misfit.max()), 1e-5)
-
-    points, faces = _join(corner)
-    mesh = trimesh.Trimesh(points, faces, process=False)
-    if not (mesh.is_watertight and mesh.is_winding_consistent):
-        raise ExportError(f"{path.name}: not one closed surface: some edges have no pair")
-    if mesh.volume <= 0:
-        raise ExportError(f"{path.name}: the facets face inward")
-    body = manifold3d.Manifold(
-        manifold3d.Mesh64(np.ascontiguousarray(points), faces.astype(np.uint64))
+    return MeshCheck(
+        True,
+        volume_error,
+        VOLUME_TOLERANCE,
+        rms,
+        secant,
+        largest,
+        angle_tolerance,
+        height,
+        len(corner),
+        curvature,
     )
-    if body.status() != manifold3d.Error.NoError or body.genus() != 0:
-        raise ExportError(f"{path.name}: not one simple solid: {body.status()}")
-    if len(body.decompose()) != 1:
-        raise ExportError(f"{path.name}: more than one body")
-    refuse_above(
-        path, "trimesh against manifold3d volume", abs(body.volume() / mesh.volume - 1), 1e-6
-    )
-    return float(mesh.volume)
-
-
-def _join(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the distinct corners (v, 3) and the facets (t, 3) as indices of them.
-
-    Only corners of the same bits are one; the three float32 are packed, two at a time, into keys.
-    """
-    points = np.ascontiguousarray(corner.reshape(-1, 3))
-    bits = (points + 0.0).astype(np.float32).view(np.uint32).astype(np.uint64)
-    half = np.uint64(32)
-    _, key = np.unique(bits[:, 0] << half | bits[:, 2], return_inverse=True)
-    key = key.astype(np.uint64) << half | bits[:, 1]
-    _, first, index = np.unique(key, return_index=True, return_inverse=True)
-    return points[first], index.reshape(-1, 3)
-
-
-def _is_top(path: Path, corner: NDArray, film: PrismFilm) -> NDArray[np.bool_]:
-    """Return which facets are the film's top; the others must lie in its five flat sides."""
-    low = corner.min(axis=(0, 1))
-    high = corner.max(axis=(0, 1))
-    size = np.array([film.width, film.length, film.thickness], np.float32).astype(float)
-    off = max(np.abs(low).max(), np.abs(high - size).max())
-    refuse_above(path, "extent error [mm]", float(off), 0.0)
-    side = np.zeros(len(corner), bool)
-    for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
-        side |= np.all(corner[:, :, axis] == level, axis=1)
-    return ~side
 
 
 class _Facets:

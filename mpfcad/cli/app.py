@@ -5,7 +5,22 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import bsdf, cad, calibrate, init, mask, mould, run, stacks, trace, verify
+from mpfcad.cli import (
+    bsdf,
+    cad,
+    calibrate,
+    compare,
+    design,
+    init,
+    mask,
+    measure,
+    mould,
+    run,
+    stacks,
+    sweep,
+    trace,
+    verify,
+)
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -48,5 +63,10 @@ def _global_options(
         print(context.get_help())
 
 
-for command in (run, mask, cad, mould, trace, bsdf, verify, calibrate, stacks, init):
+_COMMANDS = (
+    run, mask, cad, mould, trace, measure, compare, verify, design, sweep, bsdf, calibrate, stacks,
+    init,
+)  # fmt: skip
+
+for command in _COMMANDS:
     app.command(command.__name__.rpartition(".")[2])(command.command)

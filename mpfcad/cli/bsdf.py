@@ -128,7 +128,7 @@ def _trace(
 
 def _progress(terminal: "Terminal"):
     def show(done: int, count: int) -> None:
-        terminal.progress(f"{done} of {count} incidence bins")
+        terminal.count(done, count, f"{done} of {count} incidence bins")
 
     return show
 

@@ -35,13 +35,13 @@ Threads = Annotated[
 ]
 
 
-def formats(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the formats named in `text`, separated by commas.
+def formats(text: str, known: tuple[str, ...], option: str = "--format") -> tuple[str, ...]:
+    """Return the words of `known` named in `text`, separated by commas.
 
     Raises
     ------
     InputError
-        when a format is unknown or none is given.
+        when a word is unknown or none is given.
     """
     from mpfcad.errors import InputError
 
@@ -49,5 +49,5 @@ def formats(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
     unknown = [name for name in chosen if name not in known]
     if unknown or not chosen:
         wrong = unknown[0] if unknown else repr(text)
-        raise InputError(f"--format: {wrong}: must be of {', '.join(known)}")
+        raise InputError(f"{option}: {wrong}: must be of {', '.join(known)}")
     return chosen

@@ -5,11 +5,14 @@ import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpfcad.measure import TraceState
 
 
 class Terminal:
-    """Progress on stderr: a live line in a terminal, plain lines in a pipe or log file."""
+    """Progress on stderr: a live bar in a terminal, plain lines in a pipe or log file."""
 
     #: Seconds between two plain lines of one trace.
     interval = 10.0
@@ -20,14 +23,14 @@ class Terminal:
         self._start = time.monotonic()
         self._last_line = self._start
         self._stage = ""
-        self._status: Any = None
+        self._bar: Any = None
+        self._task: Any = None
+        self._trace_start: float | None = None
 
     def __enter__(self) -> "Terminal":
         if self._live:
-            from rich.console import Console
-
-            console = Console(stderr=True)
-            self._status = self._resources.enter_context(console.status("starting"))
+            self._bar = self._resources.enter_context(_live_bar())
+            self._task = self._bar.add_task("starting", total=None, note="")
         return self
 
     def __exit__(self, kind: object, *exception: object) -> None:
@@ -42,33 +45,76 @@ class Terminal:
         """
         self._show_done()
         self._stage = text
+        self._trace_start = None
         if self._live:
-            self._status.update(text)
+            self._bar.reset(self._task, total=None, description=text, note="")
 
     def _show_done(self) -> None:
         if self._stage and self._live:
-            self._status.console.print(f"[dim]{self._elapsed()}[/] {self._stage}", highlight=False)
+            self._bar.console.print(f"[dim]{self._elapsed()}[/] {self._stage}", highlight=False)
         elif self._stage:
             self._show(self._stage)
 
-    def trace(self, paths: int, half_width: float) -> None:
-        """Show how far the trace is, in a pipe at most every `interval` seconds."""
-        self.progress(f"{paths / 1e6:.1f} million paths, contrast ± {half_width:.4f} (95 %)")
+    def note(self, text: str) -> None:
+        """Show a line that stays."""
+        if self._live:
+            self._bar.console.print(text, highlight=False, markup=False)
+        else:
+            print(f"mpfcad: {text}", file=sys.stderr, flush=True)
 
-    def progress(self, text: str) -> None:
-        """Show how far the stage is, in a pipe at most every `interval` seconds."""
-        if self._live or time.monotonic() - self._last_line >= self.interval:
-            self._show(f"{self._stage}: {text}")
+    def trace(self, state: "TraceState") -> None:
+        """Show how far the trace is, in a pipe at most every `interval` seconds."""
+        now = time.monotonic()
+        if self._trace_start is None or state.paths <= state.start:
+            self._trace_start = now
+            if state.start:
+                self.note(f"{self._stage}: goes on at {state.start / 1e6:.1f} million paths")
+        if not self._live and now - self._last_line < self.interval:
+            return
+        note = trace_note(state, now - self._trace_start)
+        if self._live:
+            self._bar.update(self._task, completed=state.paths, total=state.expected, note=note)
+        else:
+            self._show(f"{self._stage}: {note}")
+
+    def count(self, done: int, total: int, note: str) -> None:
+        """Show how far a stage of counted steps is, in a pipe at most every `interval` seconds."""
+        if self._live:
+            self._bar.update(self._task, completed=done, total=total, note=note)
+        elif time.monotonic() - self._last_line >= self.interval:
+            self._show(f"{self._stage}: {note}")
 
     def _elapsed(self) -> str:
         return f"{time.monotonic() - self._start:6.1f} s"
 
     def _show(self, text: str) -> None:
         self._last_line = time.monotonic()
-        if self._live:
-            self._status.update(text)
-        else:
-            print(f"{self._elapsed()} {text}", file=sys.stderr, flush=True)
+        print(f"{self._elapsed()} {text}", file=sys.stderr, flush=True)
+
+
+def trace_note(state: "TraceState", seconds: float) -> str:
+    """Return how far a trace is in words, with the time left at the rate of the last `seconds`."""
+    note = f"{state.paths / 1e6:.1f} of {state.expected / 1e6:.1f} million paths"
+    if state.error == state.error:
+        note += f", {state.figure.format(state.error)}"
+    done, left = state.paths - state.start, state.expected - state.paths
+    if left and done and state.error == state.error:
+        rest = round(seconds * left / done)
+        note += f", about {rest // 60}:{rest % 60:02d} left"
+    return note
+
+
+def _live_bar() -> Any:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(bar_width=24),
+        TextColumn("{task.fields[note]}", markup=False),
+    )
+    return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
 def print_verdict(verification: dict[str, Any], folder: Path) -> None:
@@ -101,3 +147,50 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     for name in ("lamp_mura_contrast", "mean_luminance_cd_m2"):
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
+
+
+def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
+    """Print the figures of a measurement with their standard errors, or the whole record."""
+    if as_json:
+        print(json.dumps(record, indent=1, ensure_ascii=False))
+        return
+    for name, estimate in _estimates(record):
+        value = "–" if estimate is None else f"{estimate['value']:.6g}"
+        error = "" if estimate is None else f"± {estimate['standard_error']:.2g}"
+        print(f"{name:<58}{value:>12} {error}")
+    print(folder / "measure.html")
+
+
+def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
+    """Print the summary of a comparison, a line a case, or the whole record."""
+    if as_json:
+        print(json.dumps(record, indent=1, ensure_ascii=False))
+        return
+    print("case: contrast [95 %], normal luminance and efficiency over conventional, sheets")
+    for case in record["cases"]:
+        contrast = case["contrast"]["lamp_mura_contrast"]
+        low, high = contrast["ci95"]
+        print(
+            f"{case['label']}: {contrast['value']:.4f} [{low:.4f}, {high:.4f}], "
+            f"{case['relative_luminance']['value']:.3f}, "
+            f"{case['relative_efficiency']['value']:.3f}, {case['sheet_count']}"
+        )
+    print(folder / "compare.html")
+
+
+def _estimates(record: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Return every (name, estimate) of a record; a width that is not there is None."""
+    found = []
+    for key, value in record.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, dict) and "ci95" in value:
+            found.append((name, value))
+        elif value is None and key.endswith("_deg"):
+            found.append((name, None))
+        elif isinstance(value, dict):
+            found += _estimates(value, f"{name}.")
+        elif (
+            isinstance(value, list) and value and isinstance(value[0], dict) and "ci95" in value[0]
+        ):
+            found += [(f"{name}.{i}", entry) for i, entry in enumerate(value, 1)]
+    return found

@@ -27,6 +27,10 @@ def command(
     offset_mm: Annotated[
         float, typer.Option("--offset-mm", metavar="MM", help="Left edge from a lamp's axis.")
     ] = 0.0,
+    prism: Annotated[
+        Path | None,
+        typer.Option("--prism", metavar="FILE.stl", help="The film without scattering resin."),
+    ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")] = 1,
     effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
         Effort.standard
@@ -40,7 +44,7 @@ def command(
 
     with Terminal() as terminal:
         figures = trace_mesh(
-            mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal
+            mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal, prism
         )
     print_trace(figures, as_json=json)
     return 0

@@ -1,7 +1,7 @@
 """What the film *is*: one groove in closed form, and a row of grooves as a film. Pure numpy.
 
 `Groove` knows the bare V and its resin; `PrismFilm` is a row of them with one curvature each;
-`Section` is the outline of either a film, rounded or measured, or a mould, as exact pieces;
+`MadeFilm` is one rounded or measured, `Section` the outline of it, or of a mould, as exact pieces;
 `CurvatureMap` holds what the user wants and lays it onto the grooves; `CurvatureField` and
 `FieldFilm` are the same for a curvature that varies along the grooves too; `Process` ties the
 mask's aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and
@@ -17,6 +17,7 @@ from mpfcad.film.field_file import is_field_file, read_curvature_field
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.made import MadeFilm
 from mpfcad.film.measured import average_groove
 from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
 from mpfcad.film.process_file import read_process
@@ -37,6 +38,7 @@ __all__ = [
     "Groove",
     "Imperfection",
     "Interval",
+    "MadeFilm",
     "PrismFilm",
     "Process",
     "Profile",

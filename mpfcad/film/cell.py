@@ -102,7 +102,7 @@ class CellFilm:
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Return z [mm] over the underside at (x, y) [mm]."""
-        local = self._local(x, y)
+        local = self.local(x, y)
         if self.shape == "pyramid":
             nearer = np.min(np.abs(local), axis=0)
             return self.base + self.groove.height(nearer, self.curvature, self.profile)
@@ -111,14 +111,14 @@ class CellFilm:
 
     def slope(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Return (dz/dx, dz/dy), (2, …), at (x, y) [mm]."""
-        local = self._local(x, y)
+        local = self.local(x, y)
         if self.shape == "paraboloid":
             return self.curvature * local
         slope = self.groove.slope(local, self.curvature, self.profile)
         across = np.abs(local[0]) < np.abs(local[1])
         return np.where(np.stack([across, ~across]), slope, 0.0)
 
-    def _local(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def local(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Return (x, y), (2, …) [mm], from the nearest valley."""
         pitch, w = self.groove.pitch, self.groove.half_width
         # A pyramid's valleys lie on the cells' edges, a paraboloid's in the middle.

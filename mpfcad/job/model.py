@@ -286,6 +286,33 @@ class StackTable(_Table):
         return None if self.thickness_mm is None else self._inside("thickness_mm")
 
 
+class ResinTable(_Table):
+    """`[resin]`: particles in the fill, or what they scatter; none: a clear resin."""
+
+    particle_radius_um: Positive | None = None
+    particle_index: Annotated[Positive, Field(ge=1, le=4)] | None = None
+    particle_density_per_mm3: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    scattering_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    asymmetry: Annotated[float, Field(ge=-0.99, le=0.99)] | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "ResinTable":
+        particles = (self.particle_radius_um, self.particle_index, self.particle_density_per_mm3)
+        if (None in particles) == (self.scattering_per_mm is None):
+            raise ValueError(
+                "give either particle_radius_um, particle_index and particle_density_per_mm3, or "
+                "scattering_per_mm"
+            )
+        if any(p is not None for p in particles) and self.asymmetry is not None:
+            raise ValueError("particles have their own asymmetry: leave it out")
+        return self
+
+    def document(self) -> dict[str, float]:
+        """Return the values by the stack's names of them."""
+        values = self.model_dump(mode="json", exclude_none=True)
+        return {f"resin_{key}": value for key, value in values.items()}
+
+
 class GateTable(_Table):
     """`[gates]`: the limits of the lamp-Mura contrast."""
 
@@ -320,6 +347,7 @@ class Job(_Table):
     mask: MaskTable = MaskTable()
     cad: CadTable = CadTable()
     stack: StackTable = StackTable(preset=DEFAULT_PRESET)
+    resin: ResinTable | None = None
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
 

@@ -3,12 +3,14 @@
 import tomllib
 from pathlib import Path
 from types import NoneType
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from mpfcad.errors import InputError
 from mpfcad.job.model import Job
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 def build_job(document: dict[str, Any], where: str) -> Job:
@@ -19,10 +21,21 @@ def build_job(document: dict[str, Any], where: str) -> Job:
     InputError
         naming the first field that is wrong, its value and what is allowed.
     """
+    return validate(Job, document, where)
+
+
+def validate(model: type[Model], document: dict[str, Any], where: str) -> Model:
+    """Return `document` as a `model`; `where` names its file in errors.
+
+    Raises
+    ------
+    InputError
+        naming the first field that is wrong, its value and what is allowed.
+    """
     try:
-        return Job.model_validate(document)
+        return model.model_validate(document)
     except ValidationError as error:
-        raise InputError(f"{where}: {_first_line(error)}") from None
+        raise InputError(f"{where}: {_first_line(error, model)}") from None
 
 
 def read_job(path: Path) -> Job:
@@ -33,18 +46,28 @@ def read_job(path: Path) -> Job:
     InputError
         when the file cannot be read, is no TOML (naming the line), or a field is wrong.
     """
+    return build_job(read_document(path), str(path))
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """Return what is in a TOML file.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read or is no TOML (naming the line).
+    """
     try:
-        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: byte {error.start}: not UTF-8 text") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not TOML: {error}") from None
-    return build_job(document, str(path))
 
 
-def _first_line(error: ValidationError) -> str:
+def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
     """Return `field: value: what is allowed` of the first error, and how many more there are."""
     errors = error.errors(include_url=False)
     first = errors[0]
@@ -52,7 +75,8 @@ def _first_line(error: ValidationError) -> str:
     if first["type"] == "missing":
         line = f"{field}: missing: required"
     elif first["type"] == "extra_forbidden":
-        line = f"{field}: {_shown(first['input'])}: unknown key; {_known_keys(first['loc'][:-1])}"
+        known = _known_keys(root, first["loc"][:-1])
+        line = f"{field}: {_shown(first['input'])}: unknown key; {known}"
     else:
         line = f"{field}: {_shown(first['input'])}: {_allowed(first)}"
     more = len(errors) - 1
@@ -75,9 +99,9 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _known_keys(location: tuple[Any, ...]) -> str:
-    """Return the keys that the table at `location` knows."""
-    model: type[BaseModel] = Job
+def _known_keys(root: type[BaseModel], location: tuple[Any, ...]) -> str:
+    """Return the keys that the table at `location` in a `root` knows."""
+    model = root
     for part in location:
         model = _table_of(model.model_fields[part].annotation)
     keys = [field.alias or name for name, field in model.model_fields.items()]

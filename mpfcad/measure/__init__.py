@@ -1,17 +1,46 @@
-"""What is measured on a traced backlight: luminance over the lamp pitch and lamp-Mura contrast.
+"""What is measured on a traced backlight, each figure with its standard error.
 
-`luminance_over_pitch` reads a film mesh from disk, traces it in a stack until the contrast's
-interval is narrow enough, and returns figures that carry their uncertainty.
+`light_film` reads a film mesh from disk and puts it into a stack. The measures trace it in rounds
+until their figures are known well enough: `luminance_over_pitch` with the lamp-Mura contrast,
+`angular_luminance`, `conoscope`, `output_flux`, `screen_uniformity`, `camera_image`. An interrupted
+trace goes on from its checkpoint.
 """
 
+from mpfcad.measure.angular import AngularCurve, AngularResult, angular_luminance
+from mpfcad.measure.camera import CameraResult, camera_image
+from mpfcad.measure.checkpoint import Checkpoints, case_hash
+from mpfcad.measure.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.contrast import Estimate, contrast_of_harmonics, fit_harmonics
+from mpfcad.measure.flux import FluxResult, output_flux
+from mpfcad.measure.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
+from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
+from mpfcad.measure.uniformity import UniformityResult, screen_uniformity
 
 __all__ = [
     "POINTS",
+    "AngularCurve",
+    "AngularResult",
+    "CameraResult",
+    "Checkpoints",
+    "ConoscopeResult",
     "Estimate",
+    "FluxResult",
+    "Lit",
     "LuminanceResult",
+    "TraceRun",
+    "TraceState",
+    "UniformityResult",
+    "angular_luminance",
+    "camera_image",
+    "case_hash",
+    "conoscope",
     "contrast_of_harmonics",
     "fit_harmonics",
+    "harmonic_amplitude",
+    "light_film",
     "luminance_over_pitch",
+    "output_flux",
+    "relative_spread",
+    "screen_uniformity",
 ]

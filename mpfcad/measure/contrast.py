@@ -67,6 +67,12 @@ class HarmonicFit:
         """Number of harmonics h."""
         return (len(self.coefficient) - 1) // 2
 
+    def at(self, position: float) -> Estimate:
+        """Return the fitted luminance [cd/m²] at a position in pitches."""
+        basis = _basis(np.array([position]), self.harmonics)[0]
+        error = np.sqrt(basis @ self.covariance @ basis)
+        return Estimate.normal(float(basis @ self.coefficient), float(error))
+
     def curve(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the fitted luminance [cd/m²] at positions in pitches."""
         return _basis(position, self.harmonics) @ self.coefficient
@@ -108,19 +114,47 @@ def fit_harmonics(
     return HarmonicFit(coefficient, covariance, excess)
 
 
-def contrast_of_harmonics(fit: HarmonicFit, seed: int = 0) -> Estimate:
+def contrast_of_harmonics(
+    fit: HarmonicFit, seed: int = 0, *, points: int | None = None
+) -> Estimate:
     """Return the lamp-Mura contrast of a fitted curve, median-unbiased, with its 95 % interval.
 
-    The noise draws are fixed by `seed`; the result is deterministic.
+    `points`: the curve is read at so many, from one lamp to the next, both included; None for
+    everywhere. The noise draws are fixed by `seed`; the result is deterministic.
     """
-    points = _POINTS_A_HARMONIC * fit.harmonics
-    basis = _basis(np.arange(points) / points, fit.harmonics)
-    mean = fit.coefficient[0]
-    read = float(_contrast(basis @ fit.coefficient))
-    shape = basis @ _denoised(fit)
+    fine = _POINTS_A_HARMONIC * fit.harmonics
+    position = np.arange(fine) / fine if points is None else np.linspace(0, 1, points)
+    basis = _basis(position, fit.harmonics)
     rng = np.random.Generator(np.random.Philox(seed))
     root = np.linalg.cholesky(fit.covariance)
     noise = rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T @ basis.T
+    read = float(_contrast(basis @ fit.coefficient))
+    return _unbiased(read, fit.coefficient[0], basis @ _denoised(fit), noise)
+
+
+def contrast_of_points(
+    luminance: NDArray[np.float64], error: NDArray[np.float64], seed: int = 0
+) -> Estimate:
+    """Return the contrast of single noisy points, median-unbiased, with its 95 % interval.
+
+    luminance, error: (n,) float64 [cd/m²], value and standard error.
+    """
+    mean = float(luminance.mean())
+    shape = luminance - mean
+    if shape.max() == shape.min():
+        return Estimate(0.0, 0.0, 0.0, 0.0)
+    rng = np.random.Generator(np.random.Philox(seed))
+    noise = rng.standard_normal((_DRAWS, len(luminance))) * error
+    return _unbiased(float(_contrast(luminance)), mean, shape, noise)
+
+
+def _unbiased(
+    read: float, mean: float, shape: NDArray[np.float64], noise: NDArray[np.float64]
+) -> Estimate:
+    """Return the true contrasts of mean + factor · shape of which, with noise, `read` is read.
+
+    shape: (n,) [cd/m²]; noise: (draws, n) [cd/m²].
+    """
 
     def readings(contrast: float) -> NDArray[np.float64]:
         """Return what the draws read about the shape with a true contrast, (draws,)."""

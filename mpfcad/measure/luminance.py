@@ -1,19 +1,21 @@
 """Normal luminance over the central lamp pitch, traced from a mesh on disk."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight.stack import Stack
-from mpfcad.errors import TraceError
 from mpfcad.measure.contrast import Estimate, HarmonicFit, contrast_of_harmonics, fit_harmonics
+from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+
+if TYPE_CHECKING:
+    from mpfcad.optics.recorder import Tally
 
 #: Points over the pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
 POINTS = 33
-_LEAST_BLOCKS = 16
+#: What ends the trace, as progress shows it.
+FIGURE = "contrast ± {:.4f} (95 %)"
 _ENERGY_BLOCKS = 256
 
 
@@ -52,60 +54,35 @@ class LuminanceResult:
 
 
 def luminance_over_pitch(
-    stack: Stack,
-    mesh_path: Path | None,
-    *,
-    offset: float = 0.0,
-    seed: int = 1,
-    half_width_goal: float = 0.002,
-    path_limit: int = 100_000_000,
-    threads: int = 1,
-    progress: Callable[[int, float], None] | None = None,
+    lit: Lit, run: TraceRun | None = None, *, half_width_goal: float = 0.002
 ) -> LuminanceResult:
-    """Return the luminance over one lamp pitch of a film mesh, read from disk, in a stack.
-
-    `mesh_path` is None for a stack without film, that of a BSDF table in its place.
+    """Return the luminance over one lamp pitch of a film in its stack.
 
     Traces rounds of paths until the 95 % half-width of the contrast reaches `half_width_goal` or
-    `path_limit` paths are traced. `offset` [mm] is the film tile's left edge from a lamp's axis.
-    `progress(paths, half_width)` is called after each round. The result does not depend on
-    `threads`.
+    the run's path limit is reached. The result does not depend on the number of threads.
 
     Raises
     ------
-    InputError
-        when the mesh cannot be read or traced.
     TraceError
         when more than 1e-6 of the paths are lost.
     """
-    from mpfcad.optics.engine import EYE, Source, trace
-    from mpfcad.optics.mesh import read_film_mesh
-    from mpfcad.optics.recorder import FLOWS, Tally
-    from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.engine import EYE, Source
 
-    mesh = None if mesh_path is None else read_film_mesh(mesh_path)
-    elements = stack.elements(mesh, offset)
-    scene = build_scene(elements)
+    run = run or TraceRun()
+    stack = lit.stack
     position = np.linspace(0, 1, POINTS)
     source = Source(
         EYE, position * stack.lamp_pitch, stack["meter_spot_mm"], acceptance=stack.acceptance
     )
-    tally = Tally.empty(POINTS, len(FLOWS) + len(elements))
-    blocks = 0
-    while True:
-        # Rounds grow with what is done, so that few intervals are computed and little is overshot.
-        more = max(_LEAST_BLOCKS, blocks // 4)
-        tally = tally + trace(scene, source, more, seed=seed, first=blocks, threads=threads)
-        blocks += more
+
+    def read(tally: "Tally") -> tuple[HarmonicFit, Estimate]:
         fit = fit_harmonics(position, tally.radiance, tally.radiance_error)
-        contrast = contrast_of_harmonics(fit, seed)
-        if progress:
-            progress(tally.total_paths, contrast.half_width)
-        if contrast.half_width <= half_width_goal or tally.total_paths >= path_limit:
-            break
-    lost = tally.fraction[FLOWS.index("lost")]
-    if lost > 1e-6:
-        raise TraceError(f"{mesh_path}: {lost:.2e} of the paths were lost; allowed 1e-6")
+        return fit, contrast_of_harmonics(fit, run.seed)
+
+    tally = trace_rounds(
+        lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE
+    )
+    fit, contrast = read(tally)
     return LuminanceResult(
         position,
         tally.radiance,
@@ -113,9 +90,9 @@ def luminance_over_pitch(
         fit,
         contrast,
         Estimate.normal(float(fit.coefficient[0]), float(np.sqrt(fit.covariance[0, 0]))),
-        _energy(scene, elements, seed, threads),
+        _energy(lit.scene, lit.elements, run.seed, run.threads),
         tally.total_paths,
-        scene.accelerators,
+        lit.accelerator,
     )
 
 

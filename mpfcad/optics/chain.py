@@ -1,18 +1,22 @@
-"""Extruded films as a chain of segments in the cross-section: a ray walks from segment to segment.
+"""Extruded films as a chain of segments in the cross-section, walked run by run.
 
-Where the top is a polyline z(x) drawn along y, the next hit lies on the segment's neighbours, so no
-tree is searched. Whether the ray passes above or below a vertex is decided once a vertex, by the
-same expression for both segments that meet there: a ray cannot slip between them, and no offset is
-needed.
+Where the top is a polyline z(x) drawn along y, the next hit lies to one side of the segment just
+left, so no tree is searched. The chain is cut into *runs* in which the slope only grows (a groove
+is one). Along a run the height of the surface over the ray is convex: whether and where they meet
+is found by bisection over the run's vertices. On which side of a vertex the ray passes is decided
+by one expression for both segments that meet there: a ray cannot slip between them, and no offset
+is needed.
+
+The kernel takes one ray or eight (`lanes`).
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import any_of, floor, gather, magnitude, select, whole
 from mpfcad.optics.mesh import FilmMesh
 
 
@@ -25,14 +29,23 @@ class Chain(NamedTuple):
         (s+1,) float64 [mm], vertices from x = 0 to the tile's width, x ascending
     normal_x, normal_z
         (s,) float64, unit normals of the segments, upward
+    slope
+        (s+2,) float64, dz/dx of segment i at i+1, zeros at both ends
+    run
+        (r+1,) int64, the vertices at which runs begin, and the last vertex
+    run_of
+        (s,) int64, the run of each segment
     first
-        (c,) int64, the segment at the left edge of each of c equal cells of the width
+        (c,) int64, the run at the left edge of each of c equal cells of the width
     """
 
     x: NDArray[np.float64]
     z: NDArray[np.float64]
     normal_x: NDArray[np.float64]
     normal_z: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    run: NDArray[np.int64]
+    run_of: NDArray[np.int64]
     first: NDArray[np.int64]
 
 
@@ -49,11 +62,18 @@ def build_chain(mesh: FilmMesh) -> Chain | None:
     x, z = ends[0].T.copy()
     if (np.diff(x) <= 0).any() or not _facets_span_one_segment(mesh, x):
         return None
+    return chain_of(x, z)
+
+
+def chain_of(x: NDArray[np.float64], z: NDArray[np.float64]) -> Chain:
+    """Return the chain over the vertices (x, z) of a tile, x ascending from 0."""
     dx, dz = np.diff(x), np.diff(z)
-    norm = np.hypot(dx, dz)
-    cells = np.arange(4 * len(dx)) * (mesh.size[0] / (4 * len(dx)))
-    first = np.clip(np.searchsorted(x, cells, side="right") - 1, 0, len(dx) - 1)
-    return Chain(x, z, -dz / norm, dx / norm, first.astype(np.int64))
+    norm, slope = np.hypot(dx, dz), dz / dx
+    run = np.r_[0, np.flatnonzero(np.diff(slope) < 0) + 1, len(dx)].astype(np.int64)
+    run_of = np.repeat(np.arange(len(run) - 1), np.diff(run))
+    cells = np.arange(2 * len(run)) * (x[-1] / (2 * len(run)))
+    first = np.clip(np.searchsorted(x[run], cells, side="right") - 1, 0, len(run) - 2)
+    return Chain(x, z, -dz / norm, dx / norm, np.r_[0.0, slope, 0.0], run, run_of, first)
 
 
 def _facets_span_one_segment(mesh: FilmMesh, x: NDArray[np.float64]) -> bool:
@@ -63,86 +83,104 @@ def _facets_span_one_segment(mesh: FilmMesh, x: NDArray[np.float64]) -> bool:
 
 
 @kernel
-def _segment_at(chain, width, x):
-    """Return the segment over x in [0, width)."""
-    cell = min(len(chain.first) - 1, max(0, int(x / width * len(chain.first))))
-    k = chain.first[cell]
-    while k > 0 and x < chain.x[k]:
-        k -= 1
-    while k < len(chain.normal_x) - 1 and x >= chain.x[k + 1]:
-        k += 1
-    return k
+def _run_at(chain, width, x, wanted):
+    """Return the run over x in [0, width], where wanted."""
+    last = len(chain.run) - 2
+    cells = len(chain.first)
+    place = x * (cells / width)
+    cell = whole(select(place < cells - 1.0, select(place > 0.0, place, 0.0), cells - 1.0))
+    run = gather(chain.first, cell)
+    while True:
+        back = wanted & (run > 0) & (x < gather(chain.x, gather(chain.run, run)))
+        ahead = wanted & (run < last) & (x >= gather(chain.x, gather(chain.run, run + 1)))
+        if not any_of(back | ahead):
+            return run
+        run = select(back, run - 1, select(ahead, run + 1, run))
 
 
 @kernel
-def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside):
-    """Return the next segment that a ray meets: (segment or -1, distance, x, z, shift).
+def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside, active):
+    """Return the next segment that a ray meets: (segment or -1, distance, x, z, shift, normal).
 
     The ray starts at (x, z) [mm], inside or outside the film, with x in [0, width]; `k` is the
     segment it starts on, or -1 when it starts below the lowest (inside) or above the highest point
     (outside); low, high: lowest and highest z of the top. `shift` [mm] is what to add to x to be in
-    the same coordinates as before; segment -1: it leaves the zone of the top without a hit.
+    the same coordinates as before; segment -1: it leaves the zone of the top without a hit, -2: it
+    was lost. One ray, or eight of which the `active` count.
     """
-    shift = 0.0
-    count = len(chain.normal_x)
-    side = 1.0 if inside else -1.0
     right = dx > 0.0
-    sign = 1.0 if right else -1.0
-    speed = abs(dx)
-    level = low if inside else high
-    if k < 0:
-        # Free flight up to the zone, then the segment found there is tested first.
-        start = max(0.0, (level - z) / dz)
-        entry = x + start * dx
-        turns = math.floor(entry / width)
-        shift = turns * width
-        x -= shift
-        entry = min(max(entry - shift, 0.0), width)
-        k = _segment_at(chain, width, entry)
-        if speed == 0.0:
-            return _meet(chain, k, x, z, dx, dz, shift)
-    elif speed == 0.0:
-        return -1, 0.0, x, z, shift
-    else:
-        k, x, shift = _neighbour(k, right, count, width, x, shift)
-    for _ in range(64 * count + 64):
-        v = k + 1 if right else k
-        ahead = (chain.x[v] - x) * sign
-        rise = (chain.z[v] - z) * speed
-        if (rise - ahead * dz) * side <= 0.0:
-            return _meet(chain, k, x, z, dx, dz, shift)
-        # Past the vertex: out of the zone already?
-        if inside:
-            if dz < 0.0 and ahead * dz < (low - z) * speed:
-                return -1, 0.0, x, z, shift
-        elif dz > 0.0 and ahead * dz > (high - z) * speed:
-            return -1, 0.0, x, z, shift
-        k, x, shift = _neighbour(k, right, count, width, x, shift)
-    return -2, 0.0, x, z, shift
-
-
-@kernel
-def _neighbour(k, right, count, width, x, shift):
-    """Return the next segment, with the ray's origin moved to the tile it lies in."""
-    if right:
-        if k == count - 1:
-            return 0, x - width, shift + width
-        return k + 1, x, shift
-    if k == 0:
-        return count - 1, x + width, shift - width
-    return k - 1, x, shift
+    forward = select(right, 1, -1)
+    sign = select(right, 1.0, -1.0)
+    side = select(inside, 1.0, -1.0)
+    speed = magnitude(dx)
+    level = select(inside, low, high)
+    new = k < 0
+    # Free flight up (or down) to the zone, for those that start beyond it.
+    flight = (level - z) / dz
+    entry = x + select(new & (flight > 0.0), flight, 0.0) * dx
+    shift = select(new, floor(entry / width) * width, 0.0)
+    x = x - shift
+    run = select(new, 0, gather(chain.run_of, select(new, 0, k)))
+    at = select(right, k + 1, k)
+    if any_of(new & active):
+        entry = entry - shift
+        entry = select(entry > 0.0, select(entry < width, entry, width), 0.0)
+        run = select(new, _run_at(chain, width, entry, new & active), run)
+        at = select(new, gather(chain.run, select(right, run, run + 1)), at)
+    # Surface over ray is convex and 0 at the start: from inside, the run's rest is not met again.
+    skip = (new ^ True) & inside
+    at = select(skip, gather(chain.run, select(right, run + 1, run)), at)
+    walking = active & (new | (speed > 0.0))
+    k = select(active & (walking ^ True), -1, select(active, -2, k))
+    for _ in range(64 * len(chain.run) + 64):
+        end = gather(chain.run, select(right, run + 1, run))
+        # The first vertex past the ray, or (inside) past the run's least height over the ray.
+        near = select(right, 0, 0)
+        far = select(right, end - at, at - end)
+        while True:
+            between = walking & (far - near > 1)
+            if not any_of(between):
+                break
+            middle = (near + far) >> 1
+            v = select(right, at + middle, at - middle)
+            gap = ((gather(chain.z, v) - z) * speed - (gather(chain.x, v) - x) * sign * dz) * side
+            steeper = gather(chain.slope, select(right, v + 1, v)) * sign * speed >= dz
+            past = (gap <= 0.0) | (inside & steeper)
+            far = select(between & past, middle, far)
+            near = select(between & (past ^ True), middle, near)
+        v = select(right, at + far, at - far)
+        gap = ((gather(chain.z, v) - z) * speed - (gather(chain.x, v) - x) * sign * dz) * side
+        met = walking & (far > 0) & (gap <= 0.0)
+        k = select(met, select(right, v - 1, v), k)
+        # Past the run's end: out of the zone already?
+        ahead = (gather(chain.x, end) - x) * sign * dz - (level - z) * speed
+        gone = walking & (met ^ True) & (dz * side < 0.0) & (ahead * side < 0.0)
+        k = select(gone, -1, k)
+        walking = walking & ((met | gone) ^ True)
+        if not any_of(walking):
+            break
+        run = select(walking, run + forward, run)
+        beyond = run == len(chain.run) - 1
+        before = run < 0
+        run = select(beyond, 0, select(before, len(chain.run) - 2, run))
+        turn = select(beyond, width, select(before, -width, 0.0))
+        x = x - turn
+        shift = shift + turn
+        at = gather(chain.run, select(right, run, run + 1))
+    return _meet(chain, k, x, z, dx, dz, shift)
 
 
 @kernel
 def _meet(chain, k, x, z, dx, dz, shift):
     """Return the hit on segment k, its point put onto the segment."""
-    nx, nz = chain.normal_x[k], chain.normal_z[k]
-    x0, z0 = chain.x[k], chain.z[k]
-    x1, z1 = chain.x[k + 1], chain.z[k + 1]
-    approach = dx * nx + dz * nz
-    distance = 0.0
-    if approach != 0.0:
-        distance = max(0.0, ((x0 - x) * nx + (z0 - z) * nz) / approach)
-    hit_x = min(max(x + distance * dx, x0), x1)
-    hit_z = z0 + (z1 - z0) * ((hit_x - x0) / (x1 - x0))
-    return k, distance, hit_x, hit_z, shift
+    hit = k >= 0
+    segment = select(hit, k, 0)
+    nx, nz = gather(chain.normal_x, segment), gather(chain.normal_z, segment)
+    x0, z0 = gather(chain.x, segment), gather(chain.z, segment)
+    x1 = gather(chain.x, segment + 1)
+    distance = ((x0 - x) * nx + (z0 - z) * nz) / (dx * nx + dz * nz)
+    distance = select(hit & (distance > 0.0), distance, 0.0)
+    hit_x = x + distance * dx
+    hit_x = select(hit_x > x0, select(hit_x < x1, hit_x, x1), x0)
+    hit_z = z0 + gather(chain.slope, segment + 1) * (hit_x - x0)
+    return k, distance, select(hit, hit_x, x), select(hit, hit_z, z), shift, nx, nz

@@ -25,7 +25,8 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.film import placed_film_passage
+from mpfcad.optics.film import into_film, out_of_film, placed_film_passage
+from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.panel import (
     LAMP_END,
@@ -36,10 +37,13 @@ from mpfcad.optics.panel import (
     wall_direction,
 )
 from mpfcad.optics.recorder import FLOWS, Tally
-from mpfcad.optics.sampling import RNG_SIZE, disk, start_path, uniform
-from mpfcad.optics.scene import Scene
+from mpfcad.optics.sampling import disk, start_path, uniform
+from mpfcad.optics.scene import RESIN, TILE, Scene
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.tile import CHAIN
+from mpfcad.optics.tile_table import tile_of
+from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 _CAVITY, _SLAB, _SHEET, _FILM, _BSDF = range(5)
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
@@ -262,59 +266,127 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
 
 
 @kernel
-def trace_path(scene, source, point, flow, rng):
-    """Follow one path and return the radiance it collects; `flow` gets where its weight went."""
+def _begin(scene, source, seed, stream, path, slot, number, wave):
+    """Put a new path into a slot and before its first element."""
+    rng = wave.rng[slot]
+    start_path(rng, seed, stream, path)
+    point = path % uint64(len(source.position))
     e, up, x, y, z, dx, dy, dz, lamp = _start(scene, source, point, rng)
-    weight = 1.0
-    radiance = 0.0
-    count = len(scene.kind)
-    wall = scene.wall
-    for _ in range(_MOST_ELEMENTS):
-        if e < 0:
-            flow[_DOWN] += weight
-            return radiance + weight * scene.below
-        if e == count:
-            flow[_UP] += weight
-            return radiance + weight * scene.above
-        way, x, y, dx, dy, dz, weight, found = pass_element(
-            scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng
-        )
-        lamp = NO_LAMP
-        radiance += found
-        if way == 0:
-            flow[_LOST] += weight
-            return radiance
-        if not (wall[0] <= x <= wall[1] and wall[2] <= y <= wall[3]):
-            flow[_RIM] += weight
-            return radiance
-        weight = _roulette(weight, flow, rng)
-        if weight == 0.0:
-            return radiance
-        up = way > 0
-        e += way
-    flow[_LOST] += weight
-    return radiance
+    place = wave.place[slot]
+    place[0], place[1], place[2], place[3], place[4], place[5] = x, y, z, dx, dy, dz
+    wave.weight[slot] = 1.0
+    wave.radiance[slot] = 0.0
+    wave.upward[slot] = 1 if up else 0
+    wave.lamp[slot] = lamp
+    wave.path[slot] = number
+    for f in range(wave.once.shape[1]):
+        wave.once[slot, f] = 0.0
+    enqueue(wave, e, slot)
+
+
+@kernel
+def _pass_queue(scene, e, rays, wave):
+    """Follow the rays that wait before element e through it."""
+    if scene.kind[e] == _FILM:
+        tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
+        # Resin that scatters is followed ray by ray.
+        if tile.accelerator == CHAIN and scene.parameter[e, RESIN] == 0.0:
+            _pass_film(tile, scene.parameter[e], rays, wave)
+            return
+    for slot in rays:
+        p = wave.place[slot]
+        way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
+            scene, e, wave.upward[slot] != 0, p[0], p[1], p[2], p[3], p[4], p[5],
+            wave.lamp[slot], wave.weight[slot], wave.once[slot], wave.rng[slot],
+        )  # fmt: skip
+        wave.way[slot] = way
+        wave.lamp[slot] = NO_LAMP
+        wave.radiance[slot] += found
+
+
+@kernel
+def _pass_film(tile, film, rays, wave):
+    """Follow rays through an extruded film as it lies in the stack."""
+    placed = film[3] != 1.0 or film[5] != 0.0
+    if placed:
+        for slot in rays:
+            p = wave.place[slot]
+            up, p[0], p[1], p[3], p[4], p[5] = into_film(
+                film, tile.width, wave.upward[slot] != 0, p[0], p[1], p[3], p[4], p[5]
+            )
+            wave.upward[slot] = 1 if up else 0
+    film_passages(
+        tile, film[0], film[1], film[2],
+        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+    )  # fmt: skip
+    if placed:
+        for slot in rays:
+            p = wave.place[slot]
+            wave.way[slot], p[0], p[1], p[3], p[4], p[5] = out_of_film(
+                film, tile.width, wave.way[slot], p[0], p[1], p[3], p[4], p[5]
+            )
+
+
+@kernel
+def _go_on(scene, e, slot, wave):
+    """Move a ray that has left element e before the next; return whether its path goes on."""
+    once = wave.once[slot]
+    way = wave.way[slot]
+    if way == 0:
+        once[_LOST] += wave.weight[slot]
+        return False
+    x, y, wall = wave.place[slot, 0], wave.place[slot, 1], scene.wall
+    if not (wall[0] <= x <= wall[1] and wall[2] <= y <= wall[3]):
+        once[_RIM] += wave.weight[slot]
+        return False
+    weight = _roulette(wave.weight[slot], once, wave.rng[slot])
+    wave.weight[slot] = weight
+    if weight == 0.0:
+        return False
+    e += way
+    if e < 0:
+        once[_DOWN] += weight
+        wave.radiance[slot] += weight * scene.below
+        return False
+    if e == len(scene.kind):
+        once[_UP] += weight
+        wave.radiance[slot] += weight * scene.above
+        return False
+    wave.upward[slot] = 1 if way > 0 else 0
+    enqueue(wave, e, slot)
+    return True
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_block(scene, source, seed, stream, block, rng, once, score, score2, flow, flow2):
-    """Trace one block, `BLOCK` paths a point, and add to its sums.
+def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2):
+    """Follow paths `first` and on, and put what each collects into radiance (n,).
 
-    score, score2: (p,) radiance and its square; flow, flow2: (f,) the same of the weights' ends.
-    rng (8,) uint64 and once (f,) are scratch.
+    Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
+    squares; `wave` is scratch. A scene without elements has no paths.
     """
-    points = len(source.position)
-    for i in range(BLOCK):
-        for point in range(points):
-            start_path(rng, seed, stream, uint64((block * BLOCK + i) * points + point))
-            for f in range(len(once)):
-                once[f] = 0.0
-            radiance = trace_path(scene, source, point, once, rng)
-            score[point] += radiance
-            score2[point] += radiance * radiance
-            for f in range(len(once)):
-                flow[f] += once[f]
-                flow2[f] += once[f] * once[f]
+    started = min(len(wave.way), len(radiance))
+    for slot in range(started):
+        _begin(scene, source, seed, stream, first + uint64(slot), slot, slot, wave)
+    while True:
+        e, waiting = longest_queue(wave)
+        if waiting == 0:
+            return
+        rays = wave.batch[:waiting]
+        for i in range(waiting):
+            rays[i] = wave.queue[e, i]
+        wave.length[e] = 0
+        _pass_queue(scene, e, rays, wave)
+        for slot in rays:
+            if _go_on(scene, e, slot, wave):
+                continue
+            radiance[wave.path[slot]] = wave.radiance[slot]
+            for f in range(len(flow)):
+                flow[f] += wave.once[slot, f]
+                flow2[f] += wave.once[slot, f] * wave.once[slot, f]
+            if started < len(radiance):
+                path = first + uint64(started)
+                _begin(scene, source, seed, stream, path, slot, started, wave)
+                started += 1
 
 
 def trace(
@@ -336,13 +408,14 @@ def trace(
     flows = len(FLOWS) + len(scene.kind)
 
     def one(block: int) -> Tally:
-        tally = Tally.empty(points, flows)
-        trace_block(
-            scene, source, np.uint64(seed), np.uint64(source.kind), np.int64(block),
-            np.zeros(RNG_SIZE, np.uint64), np.zeros(flows),
-            tally.score, tally.score2, tally.flow, tally.flow2,
+        radiance = np.empty((BLOCK, points))
+        flow, flow2 = np.zeros(flows), np.zeros(flows)
+        trace_paths(
+            scene, source, np.uint64(seed), np.uint64(source.kind),
+            np.uint64(block * radiance.size), Wave.empty(len(scene.kind), flows),
+            radiance.reshape(-1), flow, flow2,
         )  # fmt: skip
-        return tally._replace(paths=BLOCK)
+        return Tally(radiance.sum(axis=0), (radiance**2).sum(axis=0), flow, flow2, BLOCK)
 
     total = Tally.empty(points, flows)
     with ThreadPoolExecutor(threads) as pool:

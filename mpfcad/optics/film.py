@@ -17,27 +17,41 @@ _MOST_HITS = 100_000
 def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz).
 
-    `parameter` is that of the film's element. The ray is turned into the film's own axes and back:
-    by the film's angle about z, and, where it lies upside down, about the middle of its tile.
+    `parameter` is that of the film's element.
     """
-    cosine, sine = parameter[3], parameter[4]
-    askew = cosine != 1.0
-    flipped = parameter[5] != 0.0
-    middle = 2.0 * parameter[2] + tiles.size[int(parameter[6]), 0]
-    if askew:
-        x, y = cosine * x + sine * y, cosine * y - sine * x
-        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
-    if flipped:
-        x, dx, dz, up = middle - x, -dx, -dz, not up
+    width = tiles.size[int(parameter[6]), 0]
+    up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
     if parameter[7] > 0.0:
         way, x, y, dx, dy, dz = resin_film_passage(
             tiles, phase, parameter, up, x, y, dx, dy, dz, rng
         )
     else:
         way, x, y, dx, dy, dz = film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng)
-    if flipped:
-        x, dx, dz, way = middle - x, -dx, -dz, -way
-    if askew:
+    return out_of_film(parameter, width, way, x, y, dx, dy, dz)
+
+
+@kernel
+def into_film(parameter, width, up, x, y, dx, dy, dz):
+    """Turn a ray into the film's own axes: (up, x, y, dx, dy, dz).
+
+    By the film's angle about z, and, where it lies upside down, about the middle of its tile.
+    """
+    cosine, sine = parameter[3], parameter[4]
+    if cosine != 1.0:
+        x, y = cosine * x + sine * y, cosine * y - sine * x
+        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
+    if parameter[5] != 0.0:
+        x, dx, dz, up = 2.0 * parameter[2] + width - x, -dx, -dz, not up
+    return up, x, y, dx, dy, dz
+
+
+@kernel
+def out_of_film(parameter, width, way, x, y, dx, dy, dz):
+    """Turn a ray that leaves the film back into the stack's axes: (way, x, y, dx, dy, dz)."""
+    cosine, sine = parameter[3], parameter[4]
+    if parameter[5] != 0.0:
+        x, dx, dz, way = 2.0 * parameter[2] + width - x, -dx, -dz, -way
+    if cosine != 1.0:
         x, y = cosine * x - sine * y, cosine * y + sine * x
         dx, dy = cosine * dx - sine * dy, cosine * dy + sine * dx
     return way, x, y, dx, dy, dz

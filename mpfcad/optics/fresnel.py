@@ -1,8 +1,7 @@
 """Fresnel reflection and refraction at a smooth dielectric interface, unpolarised light."""
 
-import math
-
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import root, select
 
 
 @kernel
@@ -11,12 +10,15 @@ def fresnel(cos_in, index_ratio):
 
     `cos_in` is the incident ray's cosine to the normal (positive), `index_ratio` the refractive
     index on the ray's side over that beyond. Mean of s and p (Hsieh, MPF thesis, eq. 8):
-    R = (r_s² + r_p²)/2; beyond the critical angle (1, 0).
+    R = (r_s² + r_p²)/2; beyond the critical angle (1, 0). One ray or eight (`lanes`).
     """
     sin2_out = index_ratio * index_ratio * (1.0 - cos_in * cos_in)
-    if sin2_out >= 1.0:
-        return 1.0, 0.0
-    cos_out = math.sqrt(1.0 - sin2_out)
-    r_s = (index_ratio * cos_in - cos_out) / (index_ratio * cos_in + cos_out)
-    r_p = (cos_in - index_ratio * cos_out) / (cos_in + index_ratio * cos_out)
-    return 0.5 * (r_s * r_s + r_p * r_p), cos_out
+    total = sin2_out >= 1.0
+    cos_out = root(select(total, 0.0, 1.0 - sin2_out))
+    # r_s = (n c - c')/(n c + c'), r_p = (c - n c')/(c + n c'), over one denominator.
+    near, far = index_ratio * cos_in, index_ratio * cos_out
+    s_sum, p_sum = near + cos_out, cos_in + far
+    s_part, p_part = (near - cos_out) * p_sum, (cos_in - far) * s_sum
+    both = s_sum * p_sum
+    reflectance = 0.5 * (s_part * s_part + p_part * p_part) / (both * both)
+    return select(total, 1.0, reflectance), cos_out

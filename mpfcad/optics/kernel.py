@@ -7,4 +7,4 @@ time. Kernels therefore allocate nothing; what they need as scratch is handed in
 
 from numba import njit
 
-kernel = njit(error_model="numpy", _nrt=False)
+kernel = njit(error_model="numpy", _nrt=False, forceinline=True)

@@ -25,7 +25,7 @@ _32 = np.uint64(32)
 _11 = np.uint64(11)
 _TO_UNIT = 2.0**-53
 
-_KEY0, _KEY1, _PATH0, _PATH1, _STREAM, _BLOCK, _SPARE, _HAS_SPARE = range(8)
+KEY0, KEY1, PATH0, PATH1, STREAM, BLOCK, SPARE, HAS_SPARE = range(8)
 RNG_SIZE = 8
 
 
@@ -47,27 +47,25 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
 @kernel
 def start_path(rng, seed, stream, path):
     """Set `rng` to the first draw of a path: (8,) uint64; seed, stream, path uint64."""
-    rng[_KEY0] = seed & _LOW
-    rng[_KEY1] = seed >> _32
-    rng[_PATH0] = path & _LOW
-    rng[_PATH1] = path >> _32
-    rng[_STREAM] = stream
-    rng[_BLOCK] = uint64(0)
-    rng[_HAS_SPARE] = uint64(0)
+    rng[KEY0] = seed & _LOW
+    rng[KEY1] = seed >> _32
+    rng[PATH0] = path & _LOW
+    rng[PATH1] = path >> _32
+    rng[STREAM] = stream
+    rng[BLOCK] = uint64(0)
+    rng[HAS_SPARE] = uint64(0)
 
 
 @kernel
 def uniform(rng):
     """Return the path's next number, uniform in [0, 1) with 53 bits."""
-    if rng[_HAS_SPARE] != 0:
-        rng[_HAS_SPARE] = uint64(0)
-        return (rng[_SPARE] >> _11) * _TO_UNIT
-    a, b, c, d = philox4x32(
-        rng[_BLOCK], rng[_STREAM], rng[_PATH0], rng[_PATH1], rng[_KEY0], rng[_KEY1]
-    )
-    rng[_BLOCK] += uint64(1)
-    rng[_SPARE] = (c << _32) | d
-    rng[_HAS_SPARE] = uint64(1)
+    if rng[HAS_SPARE] != 0:
+        rng[HAS_SPARE] = uint64(0)
+        return (rng[SPARE] >> _11) * _TO_UNIT
+    a, b, c, d = philox4x32(rng[BLOCK], rng[STREAM], rng[PATH0], rng[PATH1], rng[KEY0], rng[KEY1])
+    rng[BLOCK] += uint64(1)
+    rng[SPARE] = (c << _32) | d
+    rng[HAS_SPARE] = uint64(1)
     return (((a << _32) | b) >> _11) * _TO_UNIT
 
 

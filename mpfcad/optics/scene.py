@@ -27,8 +27,8 @@ CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
 _PARAMETERS = 12
 #: Largest length [mm] along y over which a meter averages on a finite panel.
 _MOST_ALONG = 2.0
-#: Where a film has the number of its tile.
-TILE = 6
+#: Where a film has the number of its tile, and the scattering coefficient of its resin.
+TILE, RESIN = 6, 7
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ import numpy as np
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.bvh import Bvh, build_bvh, bvh_hit
-from mpfcad.optics.chain import Chain, build_chain, chain_hit
+from mpfcad.optics.chain import Chain, build_chain, chain_hit, chain_of
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 
-_CHAIN, _BVH = range(2)
+CHAIN, BVH = range(2)
 ACCELERATORS = ("chain", "bvh")
 
 
@@ -29,7 +29,7 @@ class Tile(NamedTuple):
     bvh: Bvh
 
 
-_NO_CHAIN = Chain(*(np.zeros(2),) * 2, *(np.zeros(1),) * 2, np.zeros(1, np.int64))
+_NO_CHAIN = chain_of(np.array([0.0, 1.0]), np.zeros(2))
 _NO_BVH = Bvh(
     np.zeros((1, 6)),
     np.zeros((1, 2), np.int64),
@@ -38,7 +38,7 @@ _NO_BVH = Bvh(
     np.zeros((1, 3)),
 )
 #: What a scene without film holds.
-NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, _CHAIN, _NO_CHAIN, _NO_BVH)
+NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, CHAIN, _NO_CHAIN, _NO_BVH)
 
 
 def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
@@ -55,7 +55,7 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
         raise TraceError("accelerator chain: the mesh is not extruded along y")
     bvh = build_bvh(mesh) if chain is None else _NO_BVH
     width, length, _ = mesh.size
-    number = _BVH if chain is None else _CHAIN
+    number = BVH if chain is None else CHAIN
     return Tile(width, length, float(z.min()), float(z.max()), number, chain or _NO_CHAIN, bvh)
 
 
@@ -67,14 +67,13 @@ def next_facet(tile, x, y, z, dx, dy, dz, k, inside):
     or (inside) in the film. Facet -1: it leaves the zone of the top without meeting one; -2: it was
     lost (a hole). n: outward unit normal; shifts [mm] lead back to the coordinates before.
     """
-    if tile.accelerator == _CHAIN:
+    if tile.accelerator == CHAIN:
         # A chain repeats along y without end, so y needs no tile of its own.
-        k, distance, hit_x, hit_z, shift = chain_hit(
-            tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside
+        k, distance, hit_x, hit_z, shift, nx, nz = chain_hit(
+            tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside, True
         )
         if k < 0:
             return k, hit_x, y, hit_z, 0.0, 0.0, 1.0, shift, 0.0
-        nx, nz = tile.chain.normal_x[k], tile.chain.normal_z[k]
         return k, hit_x, y + distance * dy, hit_z, nx, 0.0, nz, shift, 0.0
     k, x, y, z, shift, shift_y = bvh_hit(
         tile.bvh, (tile.width, tile.length), tile.low, tile.high, x, y, z, dx, dy, dz, inside

@@ -66,7 +66,10 @@ def tile_of(table, t):
         table.chain.z[c[1] : d[1]],
         table.chain.normal_x[c[2] : d[2]],
         table.chain.normal_z[c[3] : d[3]],
-        table.chain.first[c[4] : d[4]],
+        table.chain.slope[c[4] : d[4]],
+        table.chain.run[c[5] : d[5]],
+        table.chain.run_of[c[6] : d[6]],
+        table.chain.first[c[7] : d[7]],
     )
     c, d = table.bvh_at[t], table.bvh_at[t + 1]
     bvh = Bvh(

@@ -2,16 +2,21 @@
 
 `run_job` makes an export folder that appears whole or not at all; `verify_export` finds every
 figure of one again from its own files, through the same code; `make_mask`, `make_cad` and
-`trace_mesh` are the single steps.
+`trace_mesh` are the single steps; `measure_film` finds every photometric figure of a film.
 """
 
+from mpfcad.pipeline.case import WHAT, Case, Measuring, read_case
+from mpfcad.pipeline.compare import compare_cases
+from mpfcad.pipeline.design import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
+from mpfcad.pipeline.measure import default_measure_out, measure_film
 from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.sweep import default_sweep_out, run_sweep
 from mpfcad.pipeline.verify import verify_export
 
 __all__ = [
@@ -19,20 +24,31 @@ __all__ = [
     "MASK_FORMATS",
     "SILENT",
     "TRACE_SETTINGS",
+    "WHAT",
+    "Case",
     "MaskPlan",
+    "Measuring",
     "MouldSetting",
     "Plan",
     "Progress",
     "Silent",
     "TraceSetting",
+    "compare_cases",
+    "default_design_out",
+    "default_measure_out",
     "default_out",
+    "default_sweep_out",
     "make_cad",
     "make_mask",
     "make_mould",
+    "measure_film",
+    "read_case",
     "read_mask_plan",
     "read_plan",
     "restore_plan",
+    "run_design",
     "run_job",
+    "run_sweep",
     "trace_mesh",
     "verify_export",
 ]

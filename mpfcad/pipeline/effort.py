@@ -29,3 +29,33 @@ TRACE_SETTINGS = {
     "standard": TraceSetting(half_width_goal=0.002, path_limit=40_000_000),
     "final": TraceSetting(half_width_goal=0.0007, path_limit=400_000_000),
 }
+
+
+@dataclass(frozen=True)
+class MeasureSetting:
+    """Standard errors at which the measures besides contrast end.
+
+    Attributes
+    ----------
+    direction, conoscope
+        of a direction's luminance over the largest, root mean square
+    flux
+        of efficiency and exitance, relative
+    screen
+        of a screen point's luminance over the mean
+    pixel
+        of a pixel of the camera image over the mean
+    """
+
+    direction: float
+    conoscope: float
+    flux: float
+    screen: float
+    pixel: float
+
+
+MEASURE_SETTINGS = {
+    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015),
+    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006),
+    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003),
+}

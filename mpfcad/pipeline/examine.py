@@ -9,16 +9,23 @@ from pathlib import Path
 
 import numpy as np
 
-from mpfcad.backlight import Stack, read_stack
+from mpfcad.backlight import read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.mask import Mask, MaskCheck
-from mpfcad.measure import LuminanceResult, luminance_over_pitch
+from mpfcad.measure import (
+    Lit,
+    LuminanceResult,
+    TraceRun,
+    light_film,
+    luminance_over_pitch,
+)
 from mpfcad.pipeline.effort import TraceSetting, available_threads
-from mpfcad.pipeline.make import check_masks, phototool
+from mpfcad.pipeline.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
 from mpfcad.pipeline.plan import Plan
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.resume import open_checkpoints
 
 #: The stack that every result is compared with: the thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
@@ -38,7 +45,7 @@ class Findings:
         film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
-        without mask the table's C stands in for the mask's
+        without mask the table's C stands in for the mask's; None of a measured surface
     traced_sha256
         hash of the mesh file as it was traced
     luminance, baseline
@@ -49,7 +56,7 @@ class Findings:
     step: StepCheck
     mesh: MeshCheck
     agreement: Agreement
-    curvature_difference: float
+    curvature_difference: float | None
     traced_sha256: str
     luminance: LuminanceResult
     baseline: LuminanceResult
@@ -74,32 +81,28 @@ def examine(
     if mask is not None:
         table = plan.job.mask
         masks = check_masks(mask, phototool(table), folder, table.formats, progress)
-    step, mesh, agreement = _check_cad(folder, plan, progress)
+    cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
+    step, mesh = cad["step"], cad["stl"]
     difference = _curvature_difference(plan, masks, mesh)
-    progress.stage("tracing film.stl")
     before = sha256(folder / "film.stl")
-    mesh_file = folder / "film.stl"
-    luminance = _trace(plan, plan.stack, mesh_file, plan.offset, setting, threads, progress)
-    progress.stage("tracing the conventional stack")
-    baseline = _trace_baseline(plan, setting, threads, progress)
+    with open_checkpoints(progress) as checkpoints:
+        run = TraceRun(
+            plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
+            progress.trace,
+        )  # fmt: skip
+        progress.stage("tracing film.stl")
+        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+        luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+        progress.stage("tracing the conventional stack")
+        lit = light_baseline(plan.job.cad.angle_tolerance)
+        baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)
 
 
-def _check_cad(
-    folder: Path, plan: Plan, progress: Progress
-) -> tuple[StepCheck, MeshCheck, Agreement]:
-    from mpfcad.cad import check_agreement, check_step, check_stl
-
-    step_file, stl_file = folder / "film.step", folder / "film.stl"
-    progress.stage("checking film.step")
-    step = check_step(step_file, plan.piece, bodies=plan.job.cad.bodies)
-    progress.stage("checking film.stl")
-    mesh = check_stl(stl_file, plan.piece, plan.job.cad.angle_tolerance)
-    return step, mesh, check_agreement(step_file, stl_file, sum(step.bodies.values()))
-
-
-def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float:
+def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float | None:
     """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
+    if mesh.curvature is None:
+        return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     if plan.process is None:
         expected = [plan.panel.curvature[piece]]
@@ -108,38 +111,15 @@ def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshChe
     return max(float(np.max(np.abs(values - mesh.curvature))) for values in expected)
 
 
-def _trace(
-    plan: Plan,
-    stack: Stack,
-    mesh: Path,
-    offset: float,
-    setting: TraceSetting,
-    threads: int | None,
-    progress: Progress,
-) -> LuminanceResult:
-    return luminance_over_pitch(
-        stack,
-        mesh,
-        offset=offset,
-        seed=plan.job.seed,
-        half_width_goal=setting.half_width_goal,
-        path_limit=setting.path_limit,
-        threads=threads or available_threads(),
-        progress=progress.trace,
-    )
-
-
-def _trace_baseline(
-    plan: Plan, setting: TraceSetting, threads: int | None, progress: Progress
-) -> LuminanceResult:
-    """Trace a plain BEF, written to a file and read back, in the conventional stack."""
+def light_baseline(angle_tolerance: float) -> Lit:
+    """Return a plain BEF, written to a file and read back, in the conventional stack."""
     from mpfcad.cad import write_stl
 
     stack = read_stack(BASELINE_PRESET)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack.lamp_pitch), mesh, plan.job.cad.angle_tolerance)
-        return _trace(plan, stack, mesh, 0.0, setting, threads, progress)
+        write_stl(baseline_film(stack.lamp_pitch), mesh, angle_tolerance)
+        return light_film(stack, mesh)
 
 
 def baseline_film(lamp_pitch: float) -> PrismFilm:

@@ -3,9 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from mpfcad.cad import Agreement
 from mpfcad.errors import InputError
+from mpfcad.film import MadeFilm
 from mpfcad.job import Job, MaskTable
 from mpfcad.mask import Mask, MaskCheck, Phototool
+from mpfcad.pipeline.drawing import Check, drawing_of
 from mpfcad.pipeline.plan import CURVATURE_FILE, Plan, groove_count
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.screen import mask_rules
@@ -89,44 +92,39 @@ def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck]) -> None:
         write_markers(folder / MASK_MARKERS, name, checks[name].windows)
 
 
-def write_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
+def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progress) -> None:
     """Write film.step, film.stl, film.3mf, film.ply."""
-    from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
-
-    name, table = plan.job.name, plan.job.cad
-    meshes = {"stl": write_stl, "3mf": write_3mf, "ply": write_ply}
+    drawing = drawing_of(plan.drawn, plan.job.cad)
     for suffix in formats:
-        path = folder / f"film.{suffix}"
-        progress.stage(f"writing {path.name}")
-        if suffix == "step":
-            write_step(plan.piece, path, name=name, bodies=table.bodies)
-        else:
-            meshes[suffix](plan.piece, path, table.angle_tolerance, name=name)
+        progress.stage(f"writing film.{suffix}")
+        drawing.write(folder / f"film.{suffix}", plan.job.name)
 
 
-def check_cad(plan: Plan, folder: Path, formats: tuple[str, ...], progress: Progress) -> None:
-    """Check the CAD files in `folder`, and STEP against STL where both are there.
+def check_cad(
+    plan: Plan, folder: Path, formats: Sequence[str], progress: Progress
+) -> tuple[dict[str, Check], Agreement | None]:
+    """Return the check of each CAD file in `folder` by format, and of STEP against STL.
+
+    The last is None unless both are there.
 
     Raises
     ------
     ExportError
         when a file does not read back as what it should hold.
     """
-    from mpfcad.cad import check_3mf, check_agreement, check_ply, check_step, check_stl
+    from mpfcad.cad import check_agreement
 
+    drawing = drawing_of(plan.drawn, plan.job.cad)
+    checks = {}
     for suffix in formats:
-        path = folder / f"film.{suffix}"
-        progress.stage(f"checking {path.name}")
-        if suffix == "step":
-            step = check_step(path, plan.piece, bodies=plan.job.cad.bodies)
-        elif suffix == "stl":
-            check_stl(path, plan.piece, plan.job.cad.angle_tolerance)
-        else:
-            {"3mf": check_3mf, "ply": check_ply}[suffix](path, plan.piece)
-    if {"step", "stl"} <= set(formats):
-        progress.stage("comparing film.step with film.stl")
-        volume = sum(step.bodies.values())
-        check_agreement(folder / "film.step", folder / "film.stl", volume)
+        progress.stage(f"checking film.{suffix}")
+        checks[suffix] = drawing.check(folder / f"film.{suffix}")
+    if not {"step", "stl"} <= set(formats):
+        return checks, None
+    progress.stage("comparing film.step with film.stl")
+    volume = sum(checks["step"].bodies.values())
+    files = folder / "film.step", folder / "film.stl"
+    return checks, check_agreement(*files, volume, drawing.volume_tolerance)
 
 
 def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
@@ -140,29 +138,49 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
     ExportError
         when a tile does not read back as what it should hold.
     """
-    from mpfcad.cad import check_stl, write_stl
-
-    piece, tolerance = plan.piece, plan.job.cad.angle_tolerance
-    count = groove_count(plan.stack.lamp_pitch, piece.groove.pitch)
+    film = plan.drawn
+    grooves = film.film if isinstance(film, MadeFilm) else film
+    count = groove_count(plan.stack.lamp_pitch, grooves.groove.pitch)
     names = []
-    for first in range(0, piece.groove_count, count):
-        tile = piece.cut(first, count, piece.length)
+    for first in range(0, grooves.groove_count, count):
+        tile = drawing_of(film.cut(first, count, grooves.length), plan.job.cad)
         names.append(f"film-{len(names) + 1:02}.stl")
         progress.stage(f"writing {names[-1]}")
-        place = f"x0 = {first * piece.groove.pitch:.6g} mm"
-        write_stl(tile, folder / names[-1], tolerance, name=f"{place}, {plan.job.name}")
-        check_stl(folder / names[-1], tile, tolerance)
+        place = f"x0 = {first * grooves.groove.pitch:.6g} mm"
+        tile.write(folder / names[-1], f"{place}, {plan.job.name}")
+        tile.check(folder / names[-1])
     return names
 
 
-def refuse_unprintable(job: Job, where: str) -> None:
-    """Refuse to make a mask of an `ideal` film.
+def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
+    """Refuse CAD formats that the kind of film is not written in.
 
     Raises
     ------
     InputError
-        when the film's profile is `ideal`.
+        naming the format, or `cad.stl` for tiles of cells.
     """
+    allowed = drawing_of(plan.drawn, plan.job.cad).formats
+    unknown = [name for name in formats if name not in allowed]
+    if unknown:
+        raise InputError(f"--format: {unknown[0]}: such a film is written as {', '.join(allowed)}")
+    if plan.job.cad.stl == "tiles" and plan.job.film.cell != "groove":
+        raise InputError(f"{where}: cad.stl: tiles: must be 'whole' for cells")
+
+
+def refuse_unprintable(job: Job, where: str) -> None:
+    """Refuse to make a mask of an `ideal` film, or of cells.
+
+    Raises
+    ------
+    InputError
+        when the film's profile is `ideal`, or its cells are no grooves.
+    """
+    if job.film.cell != "groove":
+        raise InputError(
+            f"{where}: film.cell: {job.film.cell}: the process is calibrated for grooves, so there "
+            f"is no mask: must be 'groove'"
+        )
     if job.film.profile != "filled":
         raise InputError(
             f"{where}: film.profile: ideal: resin cannot fill below the walls, so there is no "

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from mpfcad.cad.mould import Mould
+from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.film import CellFilm, Imperfection, MadeFilm
 from mpfcad.job import Job
-from mpfcad.pipeline.made import MadeFilm, read_made
 from mpfcad.pipeline.make import write_curvature
-from mpfcad.pipeline.plan import read_plan
+from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.units import um
 
@@ -51,7 +52,7 @@ def make_mould(
     """
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
-    made = read_made(plan, Path(job_file))
+    made = _made(plan, str(job_file))
     tolerance = job.cad.angle_tolerance
     with export_folder(out, "mould") as folder:
         write_curvature(plan, folder)
@@ -63,6 +64,15 @@ def make_mould(
         write_text(folder / "mould.json", canonical_json(record))
         write_manifest(folder, job.name, "mould")
     return record
+
+
+def _made(plan: Plan, where: str) -> MadeFilm:
+    """Return the piece as made; as designed, it departs by nothing."""
+    if isinstance(plan.drawn, CellFilm):
+        raise InputError(f"{where}: film.cell: {plan.job.film.cell}: must be 'groove' for a mould")
+    if isinstance(plan.drawn, MadeFilm):
+        return plan.drawn
+    return MadeFilm(plan.drawn, Imperfection())
 
 
 def _build(made: MadeFilm, setting: MouldSetting, sliver: float | None = None) -> Mould:
@@ -93,7 +103,9 @@ def _write_solids(
     progress.stage("writing mould.step")
     path, colour = folder / "mould.step", section_step.MOULD_COLOUR
     section_step.write_section_step(mould.section, path, name="mould", body="mould", colour=colour)
-    volume = {"mould.step": section_check.check_section_step(path, mould.section, "mould")}
+    volume = {
+        "mould.step": section_check.check_section_step(path, mould.section, "mould").bodies["mould"]
+    }
     progress.stage("writing mould.stl")
     path = folder / "mould.stl"
     coarse = _build(made, setting, mesh_sliver(made.film)).section

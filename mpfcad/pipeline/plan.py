@@ -2,14 +2,21 @@
 
 import math
 import tempfile
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import Quantity, Stack, read_stack, restore_bsdf_layer
+from mpfcad.backlight import (
+    Layer,
+    Quantity,
+    Stack,
+    read_stack,
+    restore_bsdf_layer,
+    stack_file,
+)
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
@@ -23,6 +30,7 @@ from mpfcad.film import (
 )
 from mpfcad.job import Job, build_job
 from mpfcad.pipeline.field import refuse_field
+from mpfcad.pipeline.made import Drawn, draw_piece, read_measured
 from mpfcad.pipeline.screen import mesh_process
 
 CURVATURE_FILE = "curvature.csv"
@@ -37,17 +45,21 @@ class Plan:
     job
         the job as validated
     process
-        the printing process; None for an `ideal` film, which no print can make
+        the printing process; None for an `ideal` film, which no print can make, and for cells
     stack
         the backlight with the film's slot
     panel
         the film over the whole panel, x from the panel's left edge
     piece
-        what film.step and film.stl hold, cut from `panel`
+        the part that film.step and film.stl hold, as designed, cut from `panel`
+    drawn
+        what they hold: `piece` itself, or as the job says it is made, or of cells
     first_groove
         groove of `panel` that is the first of `piece`
     calibration
         text of the process calibration that the job names, if it does
+    measured
+        (k, 2) float64 [mm], mean groove of the stylus trace that the job names, if it does
     input_file
         path of every file read, by its name in the job
     """
@@ -57,8 +69,10 @@ class Plan:
     stack: Stack
     panel: PrismFilm
     piece: PrismFilm
+    drawn: Drawn
     first_groove: int
     calibration: str | None = None
+    measured: NDArray[np.float64] | None = None
     input_file: dict[str, Path] = field(default_factory=dict)
 
     @property
@@ -93,7 +107,7 @@ class Plan:
 
 def central_lamp(stack: Stack) -> int:
     """Return the lamp left of the panel's middle: the traced pitch runs from it to the next."""
-    return max((stack.lamp_count - 1) // 2, 0)
+    return stack.central_lamp
 
 
 def groove_count(width: float, pitch: float) -> int:
@@ -114,7 +128,12 @@ def read_plan(job: Job, job_file: Path) -> Plan:
     folder = job_file.parent
     files = {
         name: folder / name
-        for name in (job.map.file, job.process.calibration, job.stack.file)
+        for name in (
+            job.map.file,
+            job.process.calibration,
+            job.stack.file,
+            job.film.measured_file,
+        )
         if name is not None
     }
     stack = read_job_stack(job, job_file)
@@ -128,9 +147,10 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         stack.lamp_position(central_lamp(stack)),
     )
     text = calibration.read_text("utf-8") if calibration else None
-    return _build_plan(
-        job, stack, process, _as_written(curvature), text, {job_file.name: job_file, **files}
+    plan = _build_plan(
+        job, stack, process, _as_written(curvature), read_measured(job, job_file), str(job_file)
     )
+    return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
 
 
 def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
@@ -160,7 +180,9 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
             file.write_bytes(text.encode())
         process = read_job_process(job, file, groove, str(folder / "verification.json"))
     stack = restore_stack(document["stack"])
-    return _build_plan(job, stack, process, read_curvature(folder), text, {})
+    measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
+    plan = _build_plan(job, stack, process, read_curvature(folder), measured, str(folder))
+    return replace(plan, calibration=text)
 
 
 def describe_stack(stack: Stack) -> dict[str, Any]:
@@ -171,15 +193,23 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
         "tables": {name: table.describe() for name, table in stack.tables.items()},
+        "extent": stack.extent,
+        "own": {
+            name: {**asdict(layer), "file": stack_file(name) if layer.file else None}
+            for name, layer in stack.own.items()
+        },
     }
 
 
 def restore_stack(document: dict[str, Any]) -> Stack:
-    """Return the stack that `describe_stack` has described."""
+    """Return the stack that `describe_stack` has described; its meshes are in the export."""
     quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
+    own = {name: Layer(**entry) for name, entry in document["own"].items()}
     tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
-    layers = tuple(document["layers"])
-    return Stack(document["name"], document["title"], layers, quantity, tables=tables)
+    return Stack(
+        document["name"], document["title"], tuple(document["layers"]), quantity,
+        document["extent"], own, tables,
+    )  # fmt: skip
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
@@ -193,8 +223,8 @@ def _build_plan(
     stack: Stack,
     process: Process | None,
     curvature: NDArray[np.float64],
-    calibration: str | None,
-    input_file: dict[str, Path],
+    measured: NDArray[np.float64] | None,
+    where: str,
 ) -> Plan:
     panel = PrismFilm(
         groove=Groove(job.film.pitch, job.film.depth),
@@ -204,7 +234,8 @@ def _build_plan(
         curvature=curvature,
     )
     first, piece = _cut_piece(job, stack, panel)
-    return Plan(job, process, stack, panel, piece, first, calibration, input_file)
+    drawn = draw_piece(job, piece, measured, where)
+    return Plan(job, process, stack, panel, piece, drawn, first, measured=measured)
 
 
 def _as_written(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -257,6 +288,7 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
                 f"must be left out when film.refractive_index is given"
             )
         overrides["film_index"] = index
+    overrides.update(job.resin.document() if job.resin else {})
     file = job.stack.file
     source = job.stack.preset if file is None else job_file.parent / file
     try:
@@ -271,7 +303,7 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
 def read_job_process(
     job: Job, calibration: Path | None, groove: Groove, where: str
 ) -> Process | None:
-    """Return the printing process; None for an `ideal` film, which no print can make.
+    """Return the printing process; None for an `ideal` film, which no print can make, or for cells.
 
     It is the mesh's when the job states its release, else that of the calibration, else built in.
 
@@ -280,7 +312,7 @@ def read_job_process(
     InputError
         when the calibration or the mesh is wrong.
     """
-    if job.film.profile != "filled":
+    if job.film.profile != "filled" or job.film.cell != "groove":
         return None
     by_mesh = mesh_process(job.mask, calibration is not None, groove, where)
     return by_mesh or read_process(calibration, groove)

@@ -2,6 +2,8 @@
 
 from typing import Protocol
 
+from mpfcad.measure import TraceState
+
 
 class Progress(Protocol):
     """Someone who wants to know how far the work is."""
@@ -9,8 +11,11 @@ class Progress(Protocol):
     def stage(self, text: str) -> None:
         """Say that a new stage of the work begins."""
 
-    def trace(self, paths: int, half_width: float) -> None:
-        """Say how many paths are traced and the contrast's 95 % half-width so far."""
+    def trace(self, state: TraceState) -> None:
+        """Say how far a trace is."""
+
+    def note(self, text: str) -> None:
+        """Say something that the user ought to know although the work goes on."""
 
 
 class Silent:
@@ -19,7 +24,10 @@ class Silent:
     def stage(self, text: str) -> None:
         """Say nothing."""
 
-    def trace(self, paths: int, half_width: float) -> None:
+    def trace(self, state: TraceState) -> None:
+        """Say nothing."""
+
+    def note(self, text: str) -> None:
         """Say nothing."""
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpfcad.backlight import PRISM_FILE
 from mpfcad.export import sha256
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
@@ -64,7 +65,6 @@ def build_record(
         findings.luminance,
         contrast_pass=job.gates.contrast_pass,
         contrast_marginal=job.gates.contrast_marginal,
-        angle_tolerance=job.cad.angle_tolerance,
     )
     return build_verification(
         name=job.name,
@@ -89,6 +89,7 @@ def build_record(
             "resolved": job.document(),
             "given": job.given(),
             "calibration": plan.calibration,
+            "measured_mm": None if plan.measured is None else plan.measured.tolist(),
             "stack": describe_stack(plan.stack),
             "trace": setting.document(),
         },
@@ -128,6 +129,7 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         stack=plan.stack,
         panel=plan.panel,
         piece=plan.piece,
+        drawn=plan.drawn,
         first_groove=plan.first_groove,
         lamp_position=plan.lamp_position,
         mask_period=plan.job.mask.period if mask is None else mask.period,
@@ -149,7 +151,8 @@ def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
 def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file that was made before verification.json, by name."""
     masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
-    made = (*masks, "film.step", "film.stl", "curvature.csv")
+    meshes = (PRISM_FILE, *(path.name for path in sorted(folder.glob("stack-*.stl"))))
+    made = (*masks, "film.step", "film.stl", *meshes, "curvature.csv")
     return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
 
 
@@ -179,7 +182,8 @@ def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
             "source": "the job" if key in stated else source,
         }
         for key, value in model.model_dump(mode="json").items()
-        if value is not None and not (table == "film" and key in FilmTable.UNUSUAL)
+        if value is not None
+        and not (table == "film" and key in FilmTable.UNUSUAL and key not in stated)
     ]
 
 

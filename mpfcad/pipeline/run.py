@@ -7,13 +7,13 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.made import refuse_unusual, write_unusual
 from mpfcad.pipeline.make import (
     RUN_CAD_FORMATS,
     check_cad,
     check_masks,
     phototool,
     plan_mask,
+    refuse_formats,
     write_cad,
     write_curvature,
     write_mask_pictures,
@@ -23,6 +23,7 @@ from mpfcad.pipeline.make import (
 from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.stack_mesh import write_stack_meshes
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
@@ -52,7 +53,6 @@ def run_job(
     ExportError
         when a file does not read back as what it should hold; `out` is then as it was.
     """
-    refuse_unusual(job.film, str(job_file))
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
@@ -62,6 +62,7 @@ def run_job(
         if mask is not None:
             write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
+        write_stack_meshes(plan, folder, progress)
         return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
 
 
@@ -134,15 +135,12 @@ def make_cad(
     """
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
-    tiled = job.film.is_plain and job.cad.stl == "tiles" and "stl" in formats
+    refuse_formats(plan, formats, str(job_file))
+    tiled = job.cad.stl == "tiles" and "stl" in formats
     whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
     names = [f"film.{suffix}" for suffix in whole]
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
-        if not job.film.is_plain:
-            write_unusual(plan, Path(job_file), folder, formats, progress)
-            write_manifest(folder, job.name, "cad")
-            return names
         write_cad(plan, folder, whole, progress)
         check_cad(plan, folder, whole, progress)
         names += write_tiles(plan, folder, progress) if tiled else []
@@ -159,11 +157,12 @@ def trace_mesh(
     effort: str,
     threads: int | None,
     progress: Progress = SILENT,
+    prism: Path | None = None,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
-    edge from a lamp's axis [mm].
+    edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
 
     Raises
     ------
@@ -172,25 +171,22 @@ def trace_mesh(
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+    from mpfcad.pipeline.resume import open_checkpoints
     from mpfcad.report import describe_luminance
 
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
-    whole = read_stack(stack, thickness=thickness)
     progress.stage(f"tracing {mesh or stack}")
-    result = luminance_over_pitch(
-        whole,
-        mesh,
-        offset=offset,
-        seed=seed,
-        half_width_goal=setting.half_width_goal,
-        path_limit=setting.path_limit,
-        threads=threads or available_threads(),
-        progress=progress.trace,
-    )
+    backlight = read_stack(stack, thickness=thickness).with_prism(prism)
+    lit = light_film(backlight, mesh, offset)
+    with open_checkpoints(progress) as checkpoints:
+        run = TraceRun(
+            seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
+        )
+        result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
-    tables = [{"file": entry.name, "sha256": entry.sha256} for entry in whole.tables.values()]
+    tables = [{"file": t.name, "sha256": t.sha256} for t in backlight.tables.values()]
     traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -4,8 +4,24 @@
 values; `write_report` makes the page that a person can decide from.
 """
 
+from mpfcad.report.compare_page import write_compare_page
+from mpfcad.report.design_page import write_design_page
 from mpfcad.report.evidence import Evidence
+from mpfcad.report.measure_page import write_measure_page
+from mpfcad.report.measurement import (
+    MEASUREMENT_SCHEMA,
+    describe_angular,
+    describe_camera,
+    describe_conoscope,
+    describe_contrast,
+    describe_estimate,
+    describe_flux,
+    describe_uniformity,
+    ratio,
+)
 from mpfcad.report.page import write_report
+from mpfcad.report.picture import PICTURES, write_pictures
+from mpfcad.report.sweep_page import write_sweep_page
 from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.report.verification import (
     CONTRAST_FORMULA,
@@ -18,16 +34,31 @@ from mpfcad.report.verification import (
 
 __all__ = [
     "CONTRAST_FORMULA",
+    "MEASUREMENT_SCHEMA",
     "OUTCOMES",
+    "PICTURES",
     "Checks",
     "Evidence",
     "Gate",
     "Outcome",
     "build_gates",
     "build_verification",
+    "describe_angular",
+    "describe_camera",
+    "describe_conoscope",
+    "describe_contrast",
+    "describe_estimate",
+    "describe_flux",
     "describe_luminance",
+    "describe_uniformity",
     "exit_code",
     "find_difference",
+    "ratio",
     "worst_outcome",
+    "write_compare_page",
+    "write_design_page",
+    "write_measure_page",
+    "write_pictures",
     "write_report",
+    "write_sweep_page",
 ]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from mpfcad.film import PrismFilm
+from mpfcad.film import MadeFilm
 from mpfcad.report import svg
 from mpfcad.report.groove_drawing import PRISM, RESIN, SURFACE
-from mpfcad.units import um
+from mpfcad.units import deg, um
 
 #: Pixels a millimetre, and how much of the base is shown below the valley [mm].
 SCALE, BASE_SHOWN = 9000.0, 0.010
@@ -15,13 +15,15 @@ LABEL = 'font-size="13" fill="#222"'
 CENTRED = LABEL + ' text-anchor="middle"'
 
 
-def draw_dimensions(film: PrismFilm, index: int) -> str:
-    """Return the SVG of groove `index` with pitch, depth, vertex, contact and base."""
-    groove = film.groove
+def draw_dimensions(made: MadeFilm, index: int) -> str:
+    """Return the SVG of groove `index` with pitch, depth, vertex, contact, base and radii."""
+    film, imperfection = made.film, made.imperfection
+    groove, measured = film.groove, imperfection.measured is not None
     curvature = float(film.curvature[index])
     contact = float(groove.contact_position(curvature))
     vertex = float(groove.vertex_height(curvature))
-    filled = film.profile == "filled"
+    filled = film.profile == "filled" and not measured
+    sharp = not (imperfection.tip_radius or imperfection.valley_radius)
     w, depth = groove.half_width, groove.depth
     width, height = groove.pitch * SCALE, (depth + BASE_SHOWN) * SCALE
 
@@ -30,10 +32,15 @@ def draw_dimensions(film: PrismFilm, index: int) -> str:
         return LEFT + (x + w) * SCALE, TOP + (depth - z) * SCALE
 
     x = np.linspace(-w, w, 201)
-    profile = groove.height(x, curvature, film.profile)
+    centre = float(film.groove_position[index])
+    profile = made.section().height(centre + x) - film.base
+    bare = made.bare_height(centre + x)
     surface = [place(*point) for point in zip(x, profile, strict=True)]
     foot = [place(w, -BASE_SHOWN), place(-w, -BASE_SHOWN)]
-    walls = [place(-w, depth), place(0, 0), place(w, depth)]
+    walls = surface
+    if bare is not None:
+        lower = np.minimum(bare - film.base, profile)
+        walls = [place(*point) for point in zip(x, lower, strict=True)]
     body = [svg.polygon([*(walls if filled else surface), *foot], PRISM)]
     if filled:
         body.append(svg.polygon([*surface, *reversed(walls)], RESIN))
@@ -45,18 +52,25 @@ def draw_dimensions(film: PrismFilm, index: int) -> str:
     parts.append(svg.line(*place(0, 0), right + 48, place(0, 0)[1], THIN))
     parts.append(svg.line(right, TOP, right + 48, TOP, THIN))
     parts += _up(right + 40, place(0, 0)[1], bottom, f"base {film.base / um:g} µm (cut off)")
-    if filled and 0 < contact < w:
+    if filled and sharp and 0 < contact < w:
         words = f"2 x contact = {2 * contact / um:.4g} µm"
         ends = [place(sign * contact, groove.wall_slope * contact) for sign in (-1, 1)]
         parts += _across(ends[0][0], ends[1][0], TOP - 14, ends[0][1], words)
-    if not filled or vertex > 0:
+    if not measured and (not filled or vertex > 0):
         low, high = place(0, 0)[1], place(0, vertex)[1]
         dashed = THIN + ' stroke-dasharray="4"'
         parts += [svg.line(LEFT - 48, y, place(0, 0)[0], y, dashed) for y in (high, low)]
         parts += _up(LEFT - 40, high, low, f"z0 {vertex / um:.4g} µm", before=True)
     note = f"groove {index} of the piece: z = z0 + C/2 x², C = {curvature:.6g} /mm"
+    if measured:
+        note = f"groove {index} of the piece: measured profile"
     parts.append(svg.text(LEFT, bottom + 24, note, LABEL))
-    return svg.picture(right + 200, bottom + 40, "Cross-section with dimensions", parts)
+    angle = 2 * np.arctan2(w, depth) / deg
+    note = f"prism angle {angle:.5g}°"
+    for name, radius in (("tip", imperfection.tip_radius), ("valley", imperfection.valley_radius)):
+        note += f", {name} radius {radius / um:g} µm" if radius else ""
+    parts.append(svg.text(LEFT, bottom + 42, note, LABEL))
+    return svg.picture(right + 200, bottom + 58, "Cross-section with dimensions", parts)
 
 
 def _across(left: float, right: float, y: float, reach: float, words: str) -> list[str]:

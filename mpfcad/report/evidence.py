@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
-from mpfcad.film import PrismFilm
+from mpfcad.film import CellFilm, Imperfection, MadeFilm, PrismFilm
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,9 @@ class Evidence:
     stack
         the backlight that was traced
     panel, piece
-        the film over the panel, and what film.step and film.stl hold
+        the film over the panel, and its part that film.step and film.stl hold, as designed
+    drawn
+        what they hold: `piece`, or as it is made, or of cells
     first_groove
         groove of the panel that is the first of the piece
     lamp_position
@@ -36,10 +38,21 @@ class Evidence:
     stack: Stack
     panel: PrismFilm
     piece: PrismFilm
+    drawn: PrismFilm | MadeFilm | CellFilm
     first_groove: int
     lamp_position: float
     mask_period: float
     aperture_ratio: NDArray[np.float64] | None
+
+    @property
+    def made(self) -> MadeFilm:
+        """The drawn film as grooves; of cells, one groove with their section through the tips."""
+        if isinstance(self.drawn, MadeFilm):
+            return self.drawn
+        film = self.piece
+        if isinstance(self.drawn, CellFilm):
+            film = film.cut(0, 1, film.length)
+        return MadeFilm(film, Imperfection())
 
     @property
     def shown_groove(self) -> dict[str, int]:

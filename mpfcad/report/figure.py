@@ -63,7 +63,7 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         x = np.array(curve["position_pitch"])
         value = np.array(curve["luminance_cd_m2"])
         error = Z95 * np.array(curve["standard_error_cd_m2"])
-        fit = _fourier(FINE, found["fit"]["coefficient_cd_m2"])
+        fit = fourier(FINE, found["fit"]["coefficient_cd_m2"])
         mean = found["mean_luminance_cd_m2"]["value"]
         dress = (name, colour, band)
         _add_band(figure, x, value, error, fit, dress, column=1)
@@ -78,9 +78,9 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         )
     limit = record["gates"][0]["limit"] * 100
     for sign in (-1, 1):
-        figure.add_hline(sign * limit, line=_line("#777", 1, "dot"), row=1, col=2)
+        figure.add_hline(sign * limit, line=line("#777", 1, "dot"), row=1, col=2)
     figure.update_xaxes(title_text="position [lamp pitch]; lamps at 0 and 1", range=[0, 1])
-    return _styled(figure, 380)
+    return styled(figure, 380)
 
 
 def film_figure(
@@ -105,30 +105,30 @@ def film_figure(
     ]
     for name, values, factor, colour, column in curves[: rows + 1]:
         figure.add_scatter(
-            x=_rounded(position, 4),
-            y=_rounded(np.asarray(values) * factor, 5),
+            x=rounded(position, 4),
+            y=rounded(np.asarray(values) * factor, 5),
             name=name,
-            line=_line(colour, 2),
+            line=line(colour, 2),
             showlegend=column == 1,
             row=1,
             col=column,
         )
     if recovered is not None:
         figure.add_scatter(
-            x=_rounded(position, 4),
-            y=_rounded(recovered, 5),
+            x=rounded(position, 4),
+            y=rounded(recovered, 5),
             name="C recovered from the mask file",
-            line=_line(THIRD_COLOUR, 2, "dot"),
+            line=line(THIRD_COLOUR, 2, "dot"),
             row=1,
             col=1,
         )
     figure.update_xaxes(title_text="from the lamp's axis [mm]")
     for column in range(2, rows + 1):
         figure.update_yaxes(rangemode="tozero", row=1, col=column)
-    return _styled(figure, 330)
+    return styled(figure, 330)
 
 
-def _fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:
+def fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:
     """Return mean + Σ a cos 2πhu + b sin 2πhu at positions u in pitches."""
     value = np.full_like(position, coefficient[0])
     for h in range(1, len(coefficient) // 2 + 1):
@@ -150,8 +150,8 @@ def _add_band(
     name, colour, band = dress
     shared = {"row": 1, "col": column, "legendgroup": name, "showlegend": False}
     figure.add_scatter(
-        x=_rounded(np.concatenate([x, x[::-1]]), 6),
-        y=_rounded(np.concatenate([value + error, (value - error)[::-1]]), 4),
+        x=rounded(np.concatenate([x, x[::-1]]), 6),
+        y=rounded(np.concatenate([value + error, (value - error)[::-1]]), 4),
         fill="toself",
         fillcolor=band,
         line={"width": 0},
@@ -159,18 +159,18 @@ def _add_band(
         **shared,
     )
     figure.add_scatter(
-        x=_rounded(FINE, 6),
-        y=_rounded(fit, 4),
+        x=rounded(FINE, 6),
+        y=rounded(fit, 4),
         mode="lines",
-        line=_line(colour, 2),
+        line=line(colour, 2),
         hoverinfo="skip",
         name=name,
         **(shared | {"showlegend": column == 1}),
     )
     figure.add_scatter(
-        x=_rounded(x, 6),
-        y=_rounded(value, 4),
-        error_y={"array": _rounded(error, 4), "visible": False},
+        x=rounded(x, 6),
+        y=rounded(value, 4),
+        error_y={"array": rounded(error, 4), "visible": False},
         mode="markers",
         marker={"size": 5, "color": colour},
         name=name,
@@ -178,15 +178,17 @@ def _add_band(
     )
 
 
-def _line(colour: str, width: float, dash: str | None = None) -> dict[str, Any]:
+def line(colour: str, width: float, dash: str | None = None) -> dict[str, Any]:
+    """Return the dress of a line."""
     return {"color": colour, "width": width, "dash": dash}
 
 
-def _rounded(values: ArrayLike, digits: int) -> list[float]:
+def rounded(values: ArrayLike, digits: int) -> list[float]:
+    """Return values with so many decimals, as plain numbers."""
     return np.round(np.asarray(values, float), digits).tolist()
 
 
-def _styled(figure: "go.Figure", height: int) -> "go.Figure":
+def styled(figure: "go.Figure", height: int) -> "go.Figure":
     """Return the figure in the dress of the page."""
     figure.update_layout(
         template="none",

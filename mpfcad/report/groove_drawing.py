@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film import PrismFilm
+from mpfcad.film import MadeFilm
 from mpfcad.report import svg
 from mpfcad.units import um
 
@@ -17,8 +17,9 @@ RESIN = 'fill="#f2c572" stroke="none"'
 SURFACE = 'stroke="#0b3d66" stroke-width="1.6"'
 
 
-def draw_grooves(mesh: Path, film: PrismFilm, places: dict[str, int]) -> str:
+def draw_grooves(mesh: Path, made: MadeFilm, places: dict[str, int]) -> str:
     """Return the SVG of three grooves from each of `places` on (title -> groove of the film)."""
+    film = made.film
     corner = read_section(mesh)
     most = max(film.groove_count - GROUP, 0)
     groups = [(f"{title}, groove {at} on", min(at, most)) for title, at in places.items()]
@@ -27,9 +28,9 @@ def draw_grooves(mesh: Path, film: PrismFilm, places: dict[str, int]) -> str:
     parts = []
     for i, (title, first) in enumerate(groups):
         left = 20 + i * (width + 40)
-        parts += _draw_group(corner, film, first, left, 34 + height)
+        parts += _draw_group(corner, made, first, left, 34 + height)
         parts.append(svg.text(left, 18, title, 'font-size="13"'))
-        parts += _legend(film, first, left, 52 + height)
+        parts += _legend(made, first, left, 52 + height)
     total = 20 + len(groups) * (width + 40)
     return svg.picture(total, height + 66, "Cross-section of the film, to scale", parts)
 
@@ -44,9 +45,10 @@ def read_section(mesh: Path) -> NDArray[np.float64]:
 
 
 def _draw_group(
-    corner: NDArray[np.float64], film: PrismFilm, first: int, left: float, floor: float
+    corner: NDArray[np.float64], made: MadeFilm, first: int, left: float, floor: float
 ) -> list[str]:
     """Return the drawing of the grooves from `first` on, its lower left corner at left, floor."""
+    film = made.film
     pitch, tip = film.groove.pitch, film.tip_position
     last = min(first + GROUP, film.groove_count)
     low = film.base - BASE_SHOWN
@@ -56,22 +58,25 @@ def _draw_group(
 
     margin = pitch * 1e-4
     inside = (corner[:, 0] > tip[first] - margin) & (corner[:, 0] < tip[last] + margin)
-    surface = [place(x, z) for x, z in corner[inside]]
+    shown = corner[inside]
+    surface = [place(x, z) for x, z in shown]
     foot = [place(tip[last], low), place(tip[first], low)]
-    if film.profile == "ideal":
+    x = np.union1d(shown[:, 0], film.groove_position[first:last])
+    bare = made.bare_height(x)
+    if bare is None:
         return [svg.polygon([*surface, *foot], PRISM), svg.polyline(surface, SURFACE)]
-    walls = [place(tip[first], film.thickness)]
-    for i in range(first, last):
-        walls += [place(tip[i] + pitch / 2, film.base), place(tip[i + 1], film.thickness)]
+    prism_top = np.minimum(bare, np.interp(x, shown[:, 0], shown[:, 1]))
+    walls = [place(*point) for point in zip(x, prism_top, strict=True)]
     resin = svg.polygon([*surface, *reversed(walls)], RESIN)
     prism = svg.polygon([*walls, *foot], PRISM)
     return [resin, prism, svg.polyline(surface, SURFACE)]
 
 
-def _legend(film: PrismFilm, first: int, left: float, y: float) -> list[str]:
-    curvature = film.curvature[first]
-    note = f"pitch {film.groove.pitch / um:g} µm, depth {film.groove.depth / um:g} µm, "
-    note += f"C = {curvature:.4g} /mm, fill {film.fill_fraction[first] * 100:.1f} %"
-    if film.profile == "ideal":
-        note = note.rpartition(",")[0]
+def _legend(made: MadeFilm, first: int, left: float, y: float) -> list[str]:
+    film = made.film
+    note = f"pitch {film.groove.pitch / um:g} µm, depth {film.groove.depth / um:g} µm"
+    if made.imperfection.measured is None:
+        note += f", C = {film.curvature[first]:.4g} /mm"
+        if film.profile == "filled":
+            note += f", fill {film.fill_fraction[first] * 100:.1f} %"
     return [svg.text(left, y, note, 'font-size="12" fill="#444"')]

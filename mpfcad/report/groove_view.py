@@ -1,12 +1,13 @@
 """A few grooves in three dimensions, as a plotly figure that turns under the mouse."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film import PrismFilm
+from mpfcad.film import MadeFilm
 from mpfcad.report.groove_drawing import read_section
 from mpfcad.units import um
 
@@ -29,28 +30,36 @@ LIGHTING = {
 DECIMALS = 4
 
 
-def groove_view(mesh: Path, film: PrismFilm) -> "go.Figure":
-    """Return the grooves in the middle of the piece: the surface from film.stl, walls as designed.
+def groove_view(mesh: Path, made: MadeFilm) -> "go.Figure":
+    """Return the grooves in the middle of the piece: the surface from film.stl, walls as made.
 
-    For an `ideal` film prism and resin are one body.
+    Where prism and resin are not known apart they are one body.
     """
+    film = made.film
+    x, surface, wall = _profile(mesh, made)
+    low = film.base - BASE_SHOWN
+    if wall is None:
+        bodies = [("film", PRISM_COLOUR, x, surface, np.full_like(x, low))]
+    else:
+        bodies = [
+            ("prism", PRISM_COLOUR, x, wall, np.full_like(x, low)),
+            ("resin", RESIN_COLOUR, x, surface, wall),
+        ]
+    length = min(LENGTH, film.length)
+    return scene(
+        (name, colour, *_extrude(across, upper, lower, length))
+        for name, colour, across, upper, lower in bodies
+    )
+
+
+def scene(
+    bodies: Iterable[tuple[str, str, NDArray[np.float64], NDArray[np.int64]]],
+) -> "go.Figure":
+    """Return the figure of bodies: name, colour, vertices (v, 3) [mm] and triangles (t, 3)."""
     import plotly.graph_objects as go
 
-    x, surface, wall = _profile(mesh, film)
-    low = film.base - BASE_SHOWN
-    if film.profile == "filled":
-        # The walls are straight from tip to valley.
-        kink = np.isin(np.round(x / film.groove.half_width, 3) % 1, (0, 1))
-        bodies = [
-            ("prism", PRISM_COLOUR, x[kink], wall[kink], np.full(kink.sum(), low)),
-            ("resin", RESIN_COLOUR, x, surface, np.minimum(surface, wall)),
-        ]
-    else:
-        bodies = [("film", PRISM_COLOUR, x, surface, np.full_like(x, low))]
-    length = min(LENGTH, film.length)
     figure = go.Figure()
-    for name, colour, across, upper, lower in bodies:
-        vertex, triangle = _extrude(across, upper, lower, length)
+    for name, colour, vertex, triangle in bodies:
         if len(triangle) == 0:
             continue
         vertex = np.round(vertex / um, DECIMALS)
@@ -85,9 +94,10 @@ def groove_view(mesh: Path, film: PrismFilm) -> "go.Figure":
 
 
 def _profile(
-    mesh: Path, film: PrismFilm
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return x from the first tip shown, surface and bare walls [mm], from corner to corner."""
+    mesh: Path, made: MadeFilm
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return x from the first tip shown, surface and prism [mm], from corner to corner."""
+    film = made.film
     corner = read_section(mesh)
     first = max((film.groove_count - GROOVES) // 2, 0)
     last = min(first + GROOVES, film.groove_count)
@@ -99,10 +109,9 @@ def _profile(
     rounded = np.abs(x[:, None] - kinks).min(axis=1) < film.groove.pitch / 1000
     x = x[~rounded | np.isin(x, kinks)]
     surface = np.interp(x, corner[inside, 0], corner[inside, 1])
-    if film.profile == "ideal":
-        return x - tip[first], surface, surface
-    near = valley[np.argmin(np.abs(x[:, None] - valley), axis=1)]
-    wall = film.base + film.groove.wall_slope * np.abs(x - near)
+    wall = made.bare_height(x)
+    if wall is None:
+        return x - tip[first], surface, None
     # Bare walls are the surface: no resin thinner than what float32 rounds away.
     wall = np.where(surface - wall < 1e-2 * um, surface, wall)
     return x - tip[first], surface, wall

@@ -4,6 +4,8 @@ from base64 import b64encode
 from html import escape
 from typing import Any
 
+from mpfcad.film import CellFilm
+from mpfcad.report.cell_view import cell_view
 from mpfcad.report.dimension_drawing import draw_dimensions
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.figure import figure_html, film_figure, luminance_figure
@@ -13,6 +15,7 @@ from mpfcad.report.mask_drawing import draw_mask
 from mpfcad.report.stack_drawing import draw_stack
 from mpfcad.report.table import fact_table, figure, short, table, with_interval
 from mpfcad.report.wording import gate_row, verdict_words
+from mpfcad.units import um
 
 Record = dict[str, Any]
 
@@ -96,6 +99,12 @@ def film_section(record: Record, evidence: Evidence) -> str:
         evidence.aperture_ratio,
         record["mask"] and next(iter(record["mask"]["curvature"]["recovered_per_mm"].values())),
     )
+    if isinstance(evidence.drawn, CellFilm):
+        return (
+            f"<p>{evidence.drawn.shape.capitalize()}s of {piece.groove.pitch / um:g} µm in both "
+            f"directions with C = {evidence.drawn.curvature:g} /mm. The printing process is "
+            "calibrated for grooves, so this film has <b>no mask</b>.</p>"
+        )
     if piece.profile == "ideal":
         words = (
             "<p>The profile is the pure parabola, also below the prism's walls. Resin can only be "
@@ -123,7 +132,9 @@ def film_section(record: Record, evidence: Evidence) -> str:
 def mask_section(record: Record, evidence: Evidence) -> str:
     """Return what the mask files hold, and a window of one."""
     if record["mask"] is None:
-        return "<p>No mask: an ideal film cannot be printed.</p>"
+        cells = isinstance(evidence.drawn, CellFilm)
+        reason = "cells have no printing process" if cells else "an ideal film cannot be printed"
+        return f"<p>No mask: {reason}.</p>"
     files = record["mask"]["files"]
     names = list(files)
     lines = (
@@ -173,46 +184,68 @@ def mask_section(record: Record, evidence: Evidence) -> str:
 
 def cad_section(record: Record, evidence: Evidence) -> str:
     """Return what film.step and film.stl hold, and a few grooves in cross-section."""
-    step, mesh, piece = record["step"], record["mesh"], evidence.piece
+    step, mesh = record["step"], record["mesh"]
     bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
     rows = [
-        ("both: extent", f"{piece.width:.6g} × {piece.length:.6g} × {piece.thickness:.6g} mm, "
-         f"{piece.groove_count} grooves; x = 0 is {piece.origin:.6g} mm from the panel's edge"),
+        ("both: extent", _extent(evidence)),
         ("film.step: bodies", bodies),
         ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
         ("film.stl: facets", short(mesh["triangle_count"])),
         ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
-        ("film.stl: facet normals, rms / largest error", f"{short(mesh['normal_error_deg_rms'], 3)}"
+        ("film.stl: facet normals, rms / of the facet nearest to its limit",
+         f"{short(mesh['normal_error_deg_rms'], 3)}"
          f"° / {short(mesh['normal_error_deg_max'], 3)}°"),
         ("film.stl: slopes against the profile's secants, rms",
-         f"{short(mesh['secant_error_deg_rms'], 3)}°"),
+         _or_none(mesh["secant_error_deg_rms"], "°")),
         ("film.stl against film.step: largest distance / difference of volume",
          f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
          f"{short(record['step_mesh']['volume_difference'], 3)}"),
         ("mask against film.stl: largest difference of C",
-         f"{short(record['mask_mesh_curvature_difference_per_mm'], 3)} /mm"),
+         _or_none(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
     ]  # fmt: skip
     stl = evidence.folder / "film.stl"
+    cells = isinstance(evidence.drawn, CellFilm)
+    shown = cell_view(stl, evidence.drawn) if cells else groove_view(stl, evidence.made)
     view = figure(
-        figure_html(groove_view(stl, piece), "grooves"),
-        "Grooves in the middle of the piece, between the lamps, in true proportion; turn with the "
-        "mouse. The surface is that of film.stl; the base goes on below.",
+        figure_html(shown, "grooves"),
+        f"{'Cells' if cells else 'Grooves'} in the middle of the piece in true proportion; turn "
+        "with the mouse. The surface is that of film.stl; the base goes on below.",
     )
+    what = "A section through the cells' tips" if cells else "The first groove of the piece"
     drawing = figure(
-        draw_dimensions(piece, 0),
-        "The first groove of the piece with its dimensions, to scale. z<sub>0</sub> is the height "
-        "of the parabola's vertex above the valley; contact is where it meets the walls.",
+        draw_dimensions(evidence.made, 0),
+        f"{what} with its dimensions, to scale. z<sub>0</sub> is the height of the parabola's "
+        "vertex above the valley; contact is where it meets the walls.",
     )
+    if cells:
+        return fact_table(rows) + view + drawing
     return (
         fact_table(rows)
         + view
         + drawing
         + figure(
-            draw_grooves(stl, piece, evidence.shown_groove),
+            draw_grooves(stl, evidence.made, evidence.shown_groove),
             "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
             "from film.stl: prism blue, resin yellow. The base goes on below.",
         )
     )
+
+
+def _extent(evidence: Evidence) -> str:
+    """Return size and number of what the CAD files hold, and where it lies on the panel."""
+    place = f"x = 0 is {evidence.piece.origin:.6g} mm from the panel's edge"
+    if isinstance(evidence.drawn, CellFilm):
+        cells = evidence.drawn
+        size = (*cells.size, cells.thickness)
+        number = f"{cells.count[0]} × {cells.count[1]} cells"
+    else:
+        film = evidence.made.film
+        size, number = (film.width, film.length, film.thickness), f"{film.groove_count} grooves"
+    return " × ".join(f"{part:.6g}" for part in size) + f" mm, {number}; {place}"
+
+
+def _or_none(value: float | None, unit: str) -> str:
+    return "not applicable" if value is None else f"{short(value, 3)}{unit}"
 
 
 def _energy_rows(here: dict[str, Any], there: dict[str, Any], prefix: str = "") -> list[list[str]]:

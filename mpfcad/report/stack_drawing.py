@@ -1,9 +1,8 @@
 """The stack across the lamps, from the reflector up to the viewer, drawn from its values."""
 
-from collections.abc import Callable
 from itertools import pairwise
 
-from mpfcad.backlight import LAYERS, Stack
+from mpfcad.backlight import Stack
 from mpfcad.report import svg
 
 #: Sizes in the drawing: left edge, width, height of the cavity, of a layer and between layers.
@@ -15,6 +14,8 @@ STYLE = {
     "bottom_sheet": 'fill="#efe6d8" stroke="#a08f70"',
     "top_sheet": 'fill="#efe6d8" stroke="#a08f70"',
 }
+#: What a plate or sheet of one's own is drawn like.
+OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet"}
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
 SOFT = 'font-size="12" fill="#5a6570"'
@@ -29,9 +30,8 @@ def draw_stack(stack: Stack) -> str:
     for i, layer in enumerate(stack.layers):
         bonded = layer == "bonded_film"
         top -= LAYER + (GAP if i and not bonded else 0)
-        draw = _draw_film if layer.endswith("film") else _draw_layer(layer)
-        parts += draw(top)
-        parts += _label(top + LAYER / 2, LAYERS[layer], _note(stack, layer))
+        parts += _draw(stack, layer, top)
+        parts += _label(top + LAYER / 2, stack.title_of(layer), _note(stack, layer))
     parts.append(svg.text(LEFT, 16, "↑ viewer", SOFT))
     return svg.picture(860, height, f"Stack {stack.name}", parts)
 
@@ -52,6 +52,8 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     parts += _dimension((right, floor), (right, floor - CAVITY), f"{stack.thickness:g} mm")
     specular = stack["reflector_specular_fraction"] * 100
     note = f"reflectance {stack['reflector_reflectance']:g}, {specular:g} % of it specular"
+    if "reflector" in stack.tables:
+        note = f"by its BRDF table {stack.tables['reflector'].name}"
     parts += _label(floor + 4, "reflector", note)
     lamp = (
         f"{stack.lamp_count}, radius {stack['lamp_radius_mm']:g} mm, axis "
@@ -60,12 +62,27 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     return parts + _label(y - 8, "lamps", lamp)
 
 
-def _draw_layer(layer: str) -> Callable[[float], list[str]]:
-    return lambda top: [svg.rectangle(LEFT, top, WIDTH, LAYER, STYLE[layer])]
+def _draw(stack: Stack, layer: str, top: float) -> list[str]:
+    """Return the picture of a layer from `top` down."""
+    if stack.kind_of(layer) != "film":
+        style = STYLE.get(layer, STYLE[OTHER[stack.kind_of(layer)]])
+        return [svg.rectangle(LEFT, top, WIDTH, LAYER, style)]
+    own = stack.own.get(layer)
+    if own is not None and abs(stack[f"{layer}.rotation_deg"]) % 180 > 1:
+        # Seen along its grooves a crossed film is a plain band.
+        return [svg.rectangle(LEFT, top, WIDTH, LAYER, FILM)]
+    return _draw_film(top, filled=stack.is_slot(layer), down=own is not None and own.flipped)
 
 
-def _draw_film(top: float) -> list[str]:
-    """Return a film with prisms whose grooves hold some resin, its underside at top + LAYER."""
+def _draw_film(top: float, filled: bool, down: bool) -> list[str]:
+    """Return a film with prisms, whose grooves hold some resin if `filled`."""
+    parts = _upright_film(top, filled)
+    if not down:
+        return parts
+    return [f'<g transform="matrix(1 0 0 -1 0 {2 * top + LAYER:g})">', *parts, "</g>"]
+
+
+def _upright_film(top: float, filled: bool) -> list[str]:
     count, depth = 24, 14.0
     pitch = WIDTH / count
     tips = [(LEFT + i * pitch, top) for i in range(count + 1)]
@@ -79,23 +96,41 @@ def _draw_film(top: float) -> list[str]:
         corners = [(middle - half, level), (middle, low), (middle + half, level)]
         resin.append(svg.polygon(corners, RESIN))
     foot = [(LEFT + WIDTH, top + LAYER), (LEFT, top + LAYER)]
-    return [svg.polygon([*walls, *foot], FILM), *resin]
+    return [svg.polygon([*walls, *foot], FILM), *(resin if filled else ())]
 
 
 def _note(stack: Stack, layer: str) -> str:
     """Return a layer's values in words."""
+    if layer in stack.own:
+        return _own_note(stack, layer)
     if layer.endswith("sheet"):
         sigma, share = stack[f"{layer}_sigma"], stack["sheet_transmission"] * 100
         return f"σ = {sigma:g} of the direction cosines, {share:g} % of the light"
     if layer.endswith("film"):
-        return f"n = {stack['film_index']:g}"
+        note = f"n = {stack['film_index']:g}"
+        if stack.resin_scatters:
+            scattering, g = stack["resin_scattering_per_mm"], stack["resin_asymmetry"]
+            note += f"; resin scatters {scattering:.3g} /mm, g = {g:.3g}"
+        return note
     note = f"n = {stack['plate_index']:g}, {stack['plate_thickness_mm']:g} mm"
     if layer == "diffusing_plate":
         note += (
-            f", scattering {stack['plate_scattering_per_mm']:g} /mm, "
-            f"g = {stack['plate_asymmetry']:g}"
+            f", scattering {stack['plate_scattering_per_mm']:.4g} /mm, "
+            f"g = {stack['plate_asymmetry']:.4g}"
         )
     return note
+
+
+def _own_note(stack: Stack, layer: str) -> str:
+    """Return the values of a layer's own in words."""
+    if layer in stack.tables:
+        return stack.tables[layer].name
+    start = f"{layer}."
+    return ", ".join(
+        f"{key.removeprefix(start).replace('_', ' ')} {quantity.value:g}"
+        for key, quantity in stack.quantity.items()
+        if key.startswith(start)
+    )
 
 
 def _label(y: float, name: str, note: str) -> list[str]:

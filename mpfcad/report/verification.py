@@ -19,8 +19,6 @@ CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
 STEP_VOLUME_LIMIT = 2e-9
-MESH_VOLUME_LIMIT = 1e-4
-AGREEMENT_VOLUME_LIMIT = 1e-4
 CURVATURE_LIMIT = 0.1
 LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
@@ -39,7 +37,7 @@ class Checks:
     agreement
         film.step against film.stl
     curvature_difference
-        largest |C of the mask - C of the facets| [1/mm]
+        largest |C of the mask - C of the facets| [1/mm]; None of a measured surface
     is_traced_file
         whether the mesh that was traced is byte for byte the file in the export
     """
@@ -48,7 +46,7 @@ class Checks:
     step: StepCheck
     mesh: MeshCheck
     agreement: Agreement
-    curvature_difference: float
+    curvature_difference: float | None
     is_traced_file: bool
 
 
@@ -58,9 +56,8 @@ def build_gates(
     *,
     contrast_pass: float,
     contrast_marginal: float,
-    angle_tolerance: float,
 ) -> list[Gate]:
-    """Return the gates in the order of the report; angles in rad, contrasts as fractions."""
+    """Return the gates in the order of the report; contrasts as fractions."""
     contrast = luminance.contrast
     step, mesh, agreement = checks.step, checks.mesh, checks.agreement
     lost = luminance.energy["lost"] / luminance.energy["in"]
@@ -83,15 +80,21 @@ def build_gates(
         Gate("step_valid", float(step.valid), 1.0, at_least=True),
         Gate("step_volume_error", step.volume_error, STEP_VOLUME_LIMIT),
         Gate("mesh_watertight", float(mesh.watertight), 1.0, at_least=True),
-        Gate("mesh_volume_error", mesh.volume_error, MESH_VOLUME_LIMIT),
-        Gate("mesh_normal_error_deg", mesh.normal_error_max / deg, angle_tolerance / deg),
+        Gate("mesh_volume_error", abs(mesh.volume_error), mesh.volume_limit),
+        Gate("mesh_normal_error_deg", mesh.normal_error_max / deg, mesh.normal_error_limit / deg),
         Gate("step_mesh_distance_um", agreement.distance_max / um, agreement.distance_limit / um),
-        Gate("step_mesh_volume_difference", agreement.volume_difference, AGREEMENT_VOLUME_LIMIT),
-        Gate("mask_mesh_curvature_difference_per_mm", checks.curvature_difference, CURVATURE_LIMIT),
+        Gate("step_mesh_volume_difference", agreement.volume_difference, agreement.volume_limit),
+        *_curvature_gate(checks.curvature_difference),
         Gate("traced_file_is_shipped_file", float(checks.is_traced_file), 1.0, at_least=True),
         Gate("energy_imbalance_sigma", _imbalance(luminance.energy), BALANCE_LIMIT),
         Gate("energy_lost", lost, LOST_LIMIT),
     ]
+
+
+def _curvature_gate(difference: float | None) -> list[Gate]:
+    if difference is None:
+        return []
+    return [Gate("mask_mesh_curvature_difference_per_mm", difference, CURVATURE_LIMIT)]
 
 
 def build_verification(
@@ -199,7 +202,9 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "triangle_count": int(check.triangle_count),
         "volume_error": float(check.volume_error),
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
-        "secant_error_deg_rms": float(check.secant_error_rms / deg),
+        "secant_error_deg_rms": None
+        if check.secant_error_rms is None
+        else float(check.secant_error_rms / deg),
         "normal_error_deg_max": float(check.normal_error_max / deg),
     }
 

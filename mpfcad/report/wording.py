@@ -24,7 +24,10 @@ GATES = {
     "step_volume_error": ("STEP: volume", "max |V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
     "mesh_volume_error": ("STL: volume", "|V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
-    "mesh_normal_error_deg": ("STL: facet normals [°]", "largest angle to the true surface"),
+    "mesh_normal_error_deg": (
+        "STL: facet normals [°]",
+        "angle to the true surface at the facet's ends, of the facet nearest to its limit",
+    ),
     "step_mesh_distance_um": (
         "STL against STEP [µm]",
         "largest distance of a corner of the STL from the STEP's surfaces; limit: float32 and 1 nm",

@@ -30,8 +30,10 @@ def refused(name, *words, **options):
 def test_the_presets_are_complete_and_say_where_their_values_are_from():
     stacks = list_stacks()
     assert [s.name for s in stacks] == [
-        "thesis-32in-conventional", "thesis-32in-mpf", "thesis-32in-mpf-plate",
-    ]  # fmt: skip
+        f"{values}-{case}"
+        for values in ("thesis-32in", "thesis-fitted")
+        for case in ("bef", "conventional", "mpf", "mpf-plate")
+    ]
     for stack in stacks:
         entries = stack.inputs()
         assert [e["name"] for e in entries] == list(RANGES)

@@ -102,7 +102,7 @@ def test_measured_film(job, tmp_path, capsys):
         ("cad", "tip_radius_um = -1", [], "film.tip_radius_um: -1"),
         ("cad", "pitch_error_um = -60", [], "film.pitch_error_um: -60: must be above -50"),
         ("cad", 'measured_file = "none.csv"', [], "none.csv: no such file"),
-        ("run", "tip_radius_um = 1", [], "departures from the designed film"),
+        ("run", "tip_radius_um = 60", [], "tip_radius: 60 µm: larger than groove 0 allows"),
     ],
 )
 def test_bad_input_is_one_line(job, tmp_path, capsys, command, film, options, words):

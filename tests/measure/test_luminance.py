@@ -6,7 +6,7 @@ from harness import BARE, film_file, groove
 
 from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError, TraceError
-from mpfcad.measure import POINTS, contrast_of_harmonics, luminance_over_pitch
+from mpfcad.measure import POINTS, TraceRun, contrast_of_harmonics, light_film, luminance_over_pitch
 
 STACK = "thesis-32in-mpf"
 
@@ -17,9 +17,14 @@ def mesh(tmp_path_factory):
     return film_file(folder / "film.stl", [groove(60.0)] * 20, base=0.2)
 
 
+def measured(mesh, stack=None, goal=1.0, **run):
+    lit = light_film(stack or read_stack(STACK), mesh)
+    return luminance_over_pitch(lit, TraceRun(**run), half_width_goal=goal)
+
+
 @pytest.fixture(scope="module")
 def result(mesh):
-    return luminance_over_pitch(read_stack(STACK), mesh, half_width_goal=1.0, seed=7)
+    return measured(mesh, seed=7)
 
 
 def test_points_span_one_pitch(result):
@@ -46,21 +51,20 @@ def test_energy_is_a_balance(result):
 
 
 def test_threads_change_nothing_and_seeds_do(mesh, result):
-    again = luminance_over_pitch(read_stack(STACK), mesh, half_width_goal=1.0, seed=7, threads=3)
+    again = measured(mesh, seed=7, threads=3)
     assert np.array_equal(again.luminance, result.luminance)
     assert again.contrast == result.contrast and again.energy == result.energy
-    other = luminance_over_pitch(read_stack(STACK), mesh, half_width_goal=1.0, seed=8)
+    other = measured(mesh, seed=8)
     assert not np.array_equal(other.luminance, result.luminance)
 
 
 def test_rounds_go_on_to_the_goal_or_the_limit(mesh, result):
     seen = []
-    limited = luminance_over_pitch(
-        read_stack(STACK), mesh, half_width_goal=1e-9, path_limit=result.paths + 1, seed=7,
-        progress=lambda paths, half: seen.append((paths, half)),
-    )  # fmt: skip
-    assert limited.paths == 2 * result.paths == seen[-1][0]
-    assert limited.contrast.half_width == seen[-1][1]
+    limited = measured(mesh, goal=1e-9, path_limit=result.paths + 1, seed=7, progress=seen.append)
+    assert limited.paths == 2 * result.paths == seen[-1].paths
+    assert limited.contrast.half_width == seen[-1].error
+    assert seen[0].paths < result.paths and seen[0].expected == result.paths + 1
+    assert [state.paths for state in seen] == sorted(state.paths for state in seen)
     # The second round is added to the first: errors shrink by about √2.
     assert np.median(limited.standard_error / result.standard_error) == pytest.approx(
         0.71, abs=0.05
@@ -69,13 +73,13 @@ def test_rounds_go_on_to_the_goal_or_the_limit(mesh, result):
 
 def test_more_lamp_luminance_is_more_luminance(mesh, result):
     stack = read_stack(STACK, overrides={"lamp_luminance_cd_m2": 2 * 20100.0})
-    bright = luminance_over_pitch(stack, mesh, half_width_goal=1.0, seed=7)
+    bright = measured(mesh, stack, seed=7)
     assert bright.luminance == pytest.approx(2 * result.luminance, rel=1e-12)
 
 
 def test_a_bad_mesh_is_refused_before_tracing(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
-        luminance_over_pitch(read_stack(STACK), tmp_path / "none.stl")
+        light_film(read_stack(STACK), tmp_path / "none.stl")
 
 
 def test_lost_paths_are_an_error(tmp_path, monkeypatch):
@@ -91,4 +95,4 @@ def test_lost_paths_are_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr(engine, "trace", leaky)
     path = film_file(tmp_path / "film.stl", [BARE] * 20)
     with pytest.raises(TraceError, match="lost"):
-        luminance_over_pitch(read_stack(STACK), path, half_width_goal=1.0)
+        measured(path)

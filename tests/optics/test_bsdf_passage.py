@@ -190,7 +190,7 @@ def compare(elements, count):
     engine = np.empty(count)
     source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
     flow = np.zeros(len(FLOWS) + len(elements))
-    single_paths(build_scene(elements), source, 0, 1, 0, engine, flow)
+    single_paths(build_scene(elements), source, 1, 0, engine, flow)
     oracle = ReferenceTracer(elements)
     expected = np.array([oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(count)])
     assert expected.any()

@@ -7,7 +7,7 @@ import pytest
 from harness import BARE, crossed_mesh, film_mesh, groove, pass_layers, single_paths
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace, trace_block
+from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace, trace_paths
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.reference import Philox, ReferenceTracer
@@ -84,7 +84,7 @@ def test_kernels_are_compiled_once_for_any_number_of_films(tmp_path):
     source = Source(LAMBERTIAN_BELOW, np.zeros(1), 0.05)
     for films in ([Film(mesh, 1.5)], [Film(mesh, 1.5), Film(other, 1.6)], [Film(mesh, 1.5)] * 5):
         trace(build_scene(films), source, 1)
-    assert len(trace_block.signatures) == 1
+    assert len(trace_paths.signatures) == 1
 
 
 def test_films_of_one_mesh_share_its_tile(tmp_path):
@@ -116,7 +116,7 @@ def test_stacks_of_films_equal_the_oracle(tmp_path, rotation, flipped):
     engine = np.empty(30)
     flow = np.zeros(len(FLOWS) + len(elements))
     source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
-    single_paths(scene, source, 0, 1, 0, engine, flow)
+    single_paths(scene, source, 1, 0, engine, flow)
     oracle = ReferenceTracer(elements, below=1.0)
     expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(30)]
     assert np.any(expected)

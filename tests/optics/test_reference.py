@@ -32,7 +32,7 @@ def compare(elements, count, first=0, below=0.0, chaotic=0.0, tilt=(0.0, 0.0), a
     scene = build_scene(elements, below=below)
     source = Source(EYE, np.array([0.1]), 0.05, *tilt, acceptance, along=0.3, spot_along=0.01)
     engine = np.empty(count)
-    single_paths(scene, source, 0, 1, first, engine, np.zeros(len(FLOWS) + len(elements)))
+    single_paths(scene, source, 1, first, engine, np.zeros(len(FLOWS) + len(elements)))
     oracle = ReferenceTracer(elements, below=below)
     expected = np.array(
         [

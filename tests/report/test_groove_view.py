@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpfcad.cad import write_stl
-from mpfcad.film import Groove, PrismFilm
+from mpfcad.film import Groove, Imperfection, MadeFilm, PrismFilm
 from mpfcad.report.dimension_drawing import draw_dimensions
 from mpfcad.report.groove_view import groove_view
 
@@ -17,7 +17,7 @@ def film_of(curvature, profile="filled", count=7):
 
 def view(film, folder):
     write_stl(film, folder / "film.stl", 0.0087)
-    return groove_view(folder / "film.stl", film)
+    return groove_view(folder / "film.stl", MadeFilm(film, Imperfection()))
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,8 @@ def test_the_same_file_gives_the_same_figure(tmp_path):
 
 
 def test_dimensions_are_written_out():
-    text = draw_dimensions(film_of(60), 0)
+    text = draw_dimensions(MadeFilm(film_of(60), Imperfection()), 0)
     for words in ("pitch 50 µm", "depth 25 µm", "base 200 µm", "z0 6.25 µm", "16.67 µm", "C = 60"):
         assert words in text
-    assert "contact" not in draw_dimensions(film_of(30), 0)
-    assert "z0" in draw_dimensions(film_of(90, "ideal"), 0)
+    assert "contact" not in draw_dimensions(MadeFilm(film_of(30), Imperfection()), 0)
+    assert "z0" in draw_dimensions(MadeFilm(film_of(90, "ideal"), Imperfection()), 0)

@@ -1,0 +1,107 @@
+"""A case of the thesis: a film in a stack, traced from its mesh file, each trace kept on disk."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import mpfcad
+from mpfcad.backlight import Quantity, Stack, read_stack
+
+#: Where meshes and finished traces are kept; git ignores it.
+CACHE = Path(__file__).parents[2] / "exports" / "reproduction"
+PITCH, DEPTH, BASE, LENGTH = 0.050, 0.025, 0.2, 2.0
+#: A uniform film repeats after any number of grooves; twenty make the meter's spot.
+GROOVES = 20
+ANGLE_TOLERANCE_DEG = 0.5
+POINTS = 33
+EMPTY = 80.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A uniform film in a stack.
+
+    Attributes
+    ----------
+    name
+        in the results
+    preset
+        of the stack
+    profile
+        `filled` or `ideal`
+    curvature
+        through the tips [1/mm]; 80 with `filled` is the plain BEF
+    """
+
+    name: str
+    preset: str
+    profile: str
+    curvature: float
+
+    def stack(self, values: dict[str, float] | None = None) -> Stack:
+        """Return the preset with some values replaced."""
+        stack = read_stack(self.preset)
+        bonded = "bonded_film" in stack.layers
+        given = {
+            name: Quantity(value, "given", "fit")
+            for name, value in (values or {}).items()
+            # A plate's own grooves have the plate's index.
+            if not (bonded and name == "film_index")
+        }
+        return stack.with_values(given)
+
+    def mesh(self) -> Path:
+        """Return the film's STL file, written once."""
+        from mpfcad.cad import write_stl
+        from mpfcad.film import Groove, PrismFilm
+
+        path = CACHE / f"{self.profile}-{self.curvature:g}.stl"
+        if not path.exists():
+            CACHE.mkdir(parents=True, exist_ok=True)
+            curvature = np.full(GROOVES, float(self.curvature))
+            film = PrismFilm(Groove(PITCH, DEPTH), BASE, LENGTH, self.profile, curvature)
+            write_stl(film, path, np.deg2rad(ANGLE_TOLERANCE_DEG))
+        return path
+
+
+def trace_points(case: Case, values: dict[str, float], blocks: int, seed: int) -> dict[str, list]:
+    """Return luminance and standard error [cd/m²] at 33 points of a pitch, kept on disk.
+
+    `blocks` of 512 paths a point. A trace is known by film, stack values, blocks, seed and version.
+    """
+    stack = case.stack(values)
+    numbers = {name: entry.value for name, entry in stack.quantity.items()}
+    identity = [mpfcad.__version__, stack.layers, numbers, case.profile, case.curvature, GROOVES]
+    return keep("points", [*identity, blocks, seed], lambda: _trace(case, stack, blocks, seed))
+
+
+def keep(kind: str, identity: object, make) -> dict:
+    """Return what `make()` returns, from disk if the same identity was made before."""
+    text = json.dumps(identity, sort_keys=True)
+    path = CACHE / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:20]}.json"
+    if path.exists():
+        return json.loads(path.read_text("utf-8"))
+    made = make()
+    CACHE.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.part")
+    part.write_text(json.dumps(made), "utf-8")
+    part.replace(path)
+    return made
+
+
+def _trace(case: Case, stack: Stack, blocks: int, seed: int) -> dict[str, list]:
+    from mpfcad.optics.engine import EYE, Source, trace
+    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.scene import build_scene
+
+    scene = build_scene(stack.elements(read_film_mesh(case.mesh())))
+    position = np.linspace(0, 1, POINTS) * stack.lamp_pitch
+    source = Source(EYE, position, stack["meter_spot_mm"], acceptance=stack.acceptance)
+    tally = trace(scene, source, blocks, seed=seed)
+    return {
+        "luminance_cd_m2": tally.radiance.tolist(),
+        "standard_error_cd_m2": tally.radiance_error.tolist(),
+    }

@@ -1,0 +1,42 @@
+"""`mpfcad compare`: films and stacks side by side on one page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import Effort, Threads
+
+
+def command(
+    sources: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="CASE…",
+            help="JOB.toml, an export folder, FILE.stl, or a stack preset (with a plain BEF in "
+            "it); each with @STACK behind it to put the film into that stack.",
+        ),
+    ],
+    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the traces.")] = 1,
+    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
+        Effort.standard
+    ),
+    threads: Threads = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the page and its figures.")
+    ] = Path("exports/compare"),
+) -> int:
+    """Compare films and stacks with the conventional one: contrast, luminance, angles, flux."""
+    from mpfcad.cli.terminal import Terminal, print_comparison
+    from mpfcad.pipeline import Measuring, compare_cases, read_case
+
+    with Terminal() as terminal:
+        cases = []
+        for source in sources:
+            terminal.stage(f"reading {source}")
+            film, _, stack = source.partition("@")
+            cases.append(read_case(film, stack or None))
+        record = compare_cases(cases, out, Measuring(seed, effort.value, threads), terminal)
+    print_comparison(record, out, as_json=json)
+    return 0

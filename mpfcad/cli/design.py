@@ -1,0 +1,35 @@
+"""`mpfcad design`: find the curvature map for a backlight, and verify it."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import Out, Threads, TraceEffort
+
+
+def command(
+    design_file: Annotated[
+        Path, typer.Argument(metavar="DESIGN.toml", help="The design.", show_default=False)
+    ],
+    out: Out = None,
+    effort: TraceEffort = None,
+    threads: Threads = None,
+    verify: Annotated[
+        bool, typer.Option("--verify/--no-verify", help="End with mpfcad run of the job found.")
+    ] = True,
+) -> int:
+    """Find the curvature map for a backlight; write its job and verify it."""
+    from mpfcad.cli import run
+    from mpfcad.cli.terminal import Terminal
+    from mpfcad.job.design import read_design
+    from mpfcad.pipeline import default_design_out, run_design
+
+    design = read_design(design_file)
+    folder = out or default_design_out(design)
+    with Terminal() as terminal:
+        job_file = run_design(design, design_file, folder, threads=threads, progress=terminal)
+    print(f"{job_file}\n{folder / 'design.html'}")
+    if not verify:
+        return 0
+    return run.command(job_file, folder.with_name(design.name), effort, threads)

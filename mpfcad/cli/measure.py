@@ -1,0 +1,53 @@
+"""`mpfcad measure`: every photometric figure of a film in a stack, as JSON, pictures and a page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import Effort, Threads
+
+
+def command(
+    source: Annotated[
+        str, typer.Argument(metavar="FILE.stl|DIR|JOB.toml|PRESET", help="What to measure.")
+    ],
+    stack: Annotated[
+        str | None,
+        typer.Option("--stack", metavar="NAME|FILE.toml", help="In place of the film's own."),
+    ] = None,
+    thickness_mm: Annotated[
+        float | None,
+        typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: stack's]."),
+    ] = None,
+    offset_mm: Annotated[
+        float, typer.Option("--offset-mm", metavar="MM", help="FILE.stl's left edge from a lamp.")
+    ] = 0.0,
+    what: Annotated[
+        str, typer.Option("--what", metavar="A,B,…", help="What to measure, of the default.")
+    ] = "contrast,angular,conoscope,flux,uniformity,camera",
+    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the traces.")] = 1,
+    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
+        Effort.standard
+    ),
+    threads: Threads = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder [default: exports/NAME-measure]."),
+    ] = None,
+) -> int:
+    """Measure contrast, viewing angles, conoscope, flux, uniformity and camera image of a film."""
+    from mpfcad.cli.option import formats
+    from mpfcad.cli.terminal import Terminal, print_measurement
+    from mpfcad.pipeline import WHAT, Measuring, default_measure_out, measure_film, read_case
+
+    chosen = formats(what, WHAT, "--what")
+    with Terminal() as terminal:
+        terminal.stage(f"reading {source}")
+        case = read_case(source, stack, thickness_mm, offset_mm)
+        folder = out or default_measure_out(case)
+        measuring = Measuring(seed, effort.value, threads)
+        record = measure_film(case, chosen, folder, measuring, terminal)
+    print_measurement(record, folder, as_json=json)
+    return 0

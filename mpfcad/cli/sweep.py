@@ -1,0 +1,44 @@
+"""`mpfcad sweep`: contrast and luminance over any values of a job, on any number of processes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.option import Out
+
+
+def command(
+    sweep_file: Annotated[
+        Path, typer.Argument(metavar="SWEEP.toml", help="The sweep.", show_default=False)
+    ],
+    out: Out = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://HOST:PORT."),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", min=1, metavar="N", help="Local processes [default: all cores]."),
+    ] = None,
+) -> int:
+    """Trace every point of a sweep; resumes where it stopped."""
+    from mpfcad.cli.terminal import Terminal
+    from mpfcad.job.sweep import read_sweep
+    from mpfcad.pipeline import default_sweep_out, run_sweep
+
+    sweep = read_sweep(sweep_file)
+    folder = out or default_sweep_out(sweep)
+    with Terminal() as terminal:
+        record = run_sweep(
+            sweep, sweep_file, folder, scheduler=scheduler, workers=workers, progress=terminal
+        )
+    for one in record["optima"]:
+        low, high = one["contrast"]["ci95"]
+        curve = ", ".join(f"{k} = {v}" for k, v in one["curve"].items())
+        print(
+            f"{curve + ': ' if curve else ''}least contrast {one['contrast']['value']:.4f} "
+            f"[{low:.4f}, {high:.4f}] at {one['axis']} = {one['optimum']:g}"
+        )
+    print(folder / "sweep.html")
+    return 0

@@ -1,0 +1,52 @@
+"""A film as it is made: with its own pitch and prism angle, rounded, or of a measured profile."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mpfcad.film.geometry import PrismFilm
+from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.section import Section
+
+
+@dataclass(frozen=True, eq=False)
+class MadeFilm:
+    """A row of grooves and how it departs from sharp prisms and parabolas.
+
+    Attributes
+    ----------
+    film
+        pitch and depth as made; C through the tips, were they sharp
+    imperfection
+        radii, or the measured surface
+    """
+
+    film: PrismFilm
+    imperfection: Imperfection
+
+    def section(self, sliver: float | None = None) -> Section:
+        """Return its cross-section, parts narrower than `sliver` [mm] merged."""
+        options = {} if sliver is None else {"sliver": sliver}
+        return build_section(self.film, self.imperfection, **options)
+
+    def cut(self, first: int, count: int, length: float) -> "MadeFilm":
+        """Return the piece of `count` grooves from groove `first` on, `length` mm long."""
+        return replace(self, film=self.film.cut(first, count, length))
+
+    def bare_height(self, x: ArrayLike) -> NDArray[np.float64] | None:
+        """Return z [mm] of the bare prisms' walls and round valleys at x [mm], tips left sharp.
+
+        None where prism and resin are not known apart: of an `ideal` film and a measured surface.
+        """
+        film, radius = self.film, self.imperfection.valley_radius
+        if film.profile == "ideal" or self.imperfection.measured is not None:
+            return None
+        x = np.asarray(x, float)
+        slope = film.groove.wall_slope
+        index = np.clip((x / film.groove.pitch).astype(int), 0, film.groove_count - 1)
+        local = np.abs(x - film.groove_position[index])
+        # The circle that touches both walls: its centre lies r √(1 + s²) above their corner.
+        arc = radius * np.hypot(1, slope) - np.sqrt(np.maximum(radius**2 - local**2, 0.0))
+        inside = local < radius * slope / np.hypot(1, slope)
+        return film.base + np.where(inside, arc, slope * local)

@@ -1,0 +1,110 @@
+"""The tables of a sweep: a job's, and the axes along which its values vary."""
+
+import itertools
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from mpfcad.job.design import ConstraintTable, GoalTable, Name, SearchTable
+from mpfcad.job.model import Positive, _Table
+from mpfcad.job.reader import read_document, validate
+
+#: Axes besides the fields of a job: fill in the curvature's place, and the film's place.
+FILL_AXIS = "fill_fraction"
+REGISTRATION_AXES = ("shift_mm", "stretch_percent", "rotation_deg", "lamp_pitch_error_mm")
+_TABLES = ("map", "film", "process", "mask", "cad", "stack")
+Value = Annotated[float, Field(allow_inf_nan=False)] | str
+
+
+class SweepTraceTable(_Table):
+    """`[trace]`: how long each point is traced."""
+
+    half_width: Annotated[float, Field(ge=0, le=1)] = 0.003
+    paths_million: Annotated[Positive, Field(le=1000)] = 6.0
+
+
+class SweepDesignTable(_Table):
+    """`[design]`: every point's map is searched, as `mpfcad design` does."""
+
+    goal: GoalTable = GoalTable()
+    constraint: ConstraintTable = ConstraintTable()
+    search: SearchTable = SearchTable()
+
+
+class Sweep(_Table):
+    """A whole sweep: the job of every point, and `[axis]`: a list of values each."""
+
+    version: Literal[1] = Field(default=1, alias="schema")
+    name: Name
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
+    contrast_limit: Annotated[Positive, Field(le=1)] = 0.018
+    axis: Annotated[dict[str, Annotated[list[Value], Field(min_length=1)]], Field(min_length=1)]
+    trace: SweepTraceTable = SweepTraceTable()
+    design: SweepDesignTable | None = None
+    map: dict[str, Any] = Field(default_factory=dict)
+    film: dict[str, Any] = Field(default_factory=dict)
+    process: dict[str, Any] = Field(default_factory=dict)
+    mask: dict[str, Any] = Field(default_factory=dict)
+    cad: dict[str, Any] = Field(default_factory=dict)
+    stack: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _known_axes(self) -> "Sweep":
+        for axis, values in self.axis.items():
+            if axis.partition(".")[0] not in _TABLES or "." not in axis:
+                if axis not in (FILL_AXIS, *REGISTRATION_AXES):
+                    raise ValueError(
+                        f"axis {axis}: must be table.field of a job, {FILL_AXIS} or one of "
+                        f"{', '.join(REGISTRATION_AXES)}"
+                    )
+                if not all(isinstance(value, float) for value in values):
+                    raise ValueError(f"axis {axis}: must be numbers")
+            if len(set(values)) < len(values) or len({type(v) for v in values}) > 1:
+                raise ValueError(f"axis {axis}: must be all numbers or all words, none twice")
+            if self.design and (axis in (FILL_AXIS, *REGISTRATION_AXES) or axis[:4] == "map."):
+                raise ValueError(f"axis {axis}: has no meaning where [design] finds the map")
+        if self.design and self.map:
+            raise ValueError("map: must be left out where [design] finds it")
+        return self
+
+    def document(self) -> dict[str, Any]:
+        """Return the sweep as plain JSON values, every default written out."""
+        return self.model_dump(mode="json", by_alias=True)
+
+    def points(self) -> Iterator[dict[str, Value]]:
+        """Give the coordinates of every point, the last axis fastest."""
+        for values in itertools.product(*self.axis.values()):
+            yield dict(zip(self.axis, values, strict=True))
+
+    def job_document(self, point: dict[str, Value]) -> dict[str, Any]:
+        """Return the document of a point's job; fill and registration are not in it."""
+        document = {"schema": 1, "name": self.name, "seed": self.seed}
+        for table in _TABLES:
+            if getattr(self, table):
+                document[table] = _copied(getattr(self, table))
+        for axis, value in point.items():
+            *tables, field = axis.split(".")
+            if not tables:
+                continue
+            place = document
+            for table in tables:
+                place = place.setdefault(table, {})
+            place[field] = value
+        return document
+
+
+def _copied(table: dict[str, Any]) -> dict[str, Any]:
+    return {k: _copied(v) if isinstance(v, dict) else v for k, v in table.items()}
+
+
+def read_sweep(path: Path) -> Sweep:
+    """Return the sweep in the TOML file at `path`.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read, is no TOML (naming the line), or a field is wrong.
+    """
+    return validate(Sweep, read_document(path), str(path))

@@ -1,0 +1,61 @@
+"""What a camera far away sees of the screen's middle: traced pixels, nothing smoothed.
+
+Lamps, and films extruded along them, do not change along y in the model without a rim: a line of
+the picture along the lamps is one traced value.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.uniformity import middle
+
+#: Edge [mm] of the square that is seen (Hsieh, MPF thesis: 20 cm × 20 cm), and its pixels.
+EDGE = 200.0
+PIXELS = 200
+_FIGURE = "pixel ± {:.4f} of the mean"
+
+
+@dataclass(frozen=True, eq=False)
+class CameraResult:
+    """The picture, taken from straight above by parallel light.
+
+    Attributes
+    ----------
+    luminance, standard_error
+        (200,) float64 [cd/m²], one value for each line of pixels along the lamps
+    pixel
+        edge of a pixel [mm]
+    paths
+        backward paths traced
+    """
+
+    luminance: NDArray[np.float64]
+    standard_error: NDArray[np.float64]
+    pixel: float
+    paths: int
+
+    @property
+    def picture(self) -> NDArray[np.float64]:
+        """The picture, (200, 200) float64 [cd/m²]: rows across the lamps, columns along them."""
+        return np.repeat(self.luminance[:, None], PIXELS, axis=1)
+
+
+def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
+    """Return the picture of 200 × 200 mm in the screen's middle; error relative, of one pixel."""
+    from mpfcad.optics.engine import EYE, Source
+
+    pixel = EDGE / PIXELS
+    position = middle(lit) + (np.arange(PIXELS) + 0.5) * pixel - EDGE / 2
+    source = Source(EYE, position, pixel, acceptance=lit.stack.acceptance)
+    tally = trace_rounds(
+        lit,
+        source,
+        run,
+        lambda t: float(np.sqrt(np.mean(t.radiance_error**2)) / np.mean(t.radiance)),
+        error_goal,
+        _FIGURE,
+    )
+    return CameraResult(tally.radiance, tally.radiance_error, pixel, tally.total_paths)

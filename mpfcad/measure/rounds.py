@@ -1,0 +1,191 @@
+"""Traces in rounds until a figure is known well enough, and goes on where it was interrupted."""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mpfcad.backlight.stack import Stack
+from mpfcad.errors import TraceError
+from mpfcad.measure.checkpoint import Checkpoints, case_hash
+
+if TYPE_CHECKING:
+    from mpfcad.optics.engine import Source
+    from mpfcad.optics.recorder import Tally
+    from mpfcad.optics.scene import Element, Scene
+
+_LEAST_PATHS = 270_000
+_LOST_LIMIT = 1e-6
+
+
+class TraceState(NamedTuple):
+    """How far a trace is.
+
+    Attributes
+    ----------
+    paths, expected
+        paths traced; paths that the whole trace is expected to take, by error ∝ 1/√paths
+    error, goal
+        of the figure that ends the trace, after the last whole round, and where it ends; nan before
+    figure
+        what that error is of, in words with a place for the number
+    start
+        paths that an interrupted trace had left
+    """
+
+    paths: int
+    expected: int
+    error: float
+    goal: float
+    figure: str
+    start: int = 0
+
+
+@dataclass(frozen=True)
+class TraceRun:
+    """How to trace: seed, threads, where checkpoints lie and who watches.
+
+    `progress` is called after each block of paths; figures do not depend on it, on `threads` or on
+    `checkpoints`.
+    """
+
+    seed: int = 1
+    threads: int = 1
+    path_limit: int = 100_000_000
+    checkpoints: Checkpoints = field(default_factory=Checkpoints)
+    progress: Callable[[TraceState], None] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """A film mesh in its stack, ready to trace.
+
+    Attributes
+    ----------
+    stack
+        the backlight
+    elements, scene
+        from the bottom up, and lowered for the kernels
+    case
+        what the scene depends on, in plain values
+    """
+
+    stack: Stack
+    elements: "list[Element]"
+    scene: "Scene"
+    case: dict[str, Any]
+    name: str
+
+    @property
+    def accelerator(self) -> str:
+        """How the mesh is traced."""
+        return self.scene.accelerators
+
+
+def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit:
+    """Return a film mesh, read from disk, in a stack; `offset` [mm]: left edge from a lamp's axis.
+
+    `mesh_path` is None for a stack without film, that of a BSDF table in its place.
+
+    Raises
+    ------
+    InputError
+        when the mesh cannot be read or traced.
+    """
+    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.scene import build_scene
+
+    mesh = None if mesh_path is None else read_film_mesh(mesh_path)
+    elements = stack.elements(mesh, offset)
+    scene = build_scene(elements)
+    digest = hashlib.sha256()
+    _feed(digest, scene)
+    case = {
+        "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
+        "offset": offset,
+        "scene": digest.hexdigest(),
+    }
+    return Lit(stack, elements, scene, case, str(mesh_path or stack.name))
+
+
+def _feed(digest: "hashlib._Hash", value: Any) -> None:
+    """Feed a number, an array or a tuple of such to a digest."""
+    if isinstance(value, tuple):
+        for part in value:
+            _feed(digest, part)
+    else:
+        array = np.ascontiguousarray(value)
+        digest.update(f"{array.dtype.str} {array.shape}".encode() + array.tobytes())
+
+
+def trace_rounds(
+    lit: Lit,
+    source: "Source",
+    run: TraceRun,
+    error_of: "Callable[[Tally], float]",
+    goal: float,
+    figure: str,
+) -> "Tally":
+    """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
+
+    Rounds grow with what is done, so that few errors are computed and little is overshot; which
+    they are depends on nothing but the number of points.
+
+    Raises
+    ------
+    TraceError
+        when more than 1e-6 of the paths are lost.
+    """
+    from mpfcad.optics.engine import BLOCK, trace
+    from mpfcad.optics.recorder import FLOWS, Tally
+
+    points = len(source.position)
+    limit = run.path_limit
+    case = case_hash(
+        {**lit.case, **source._asdict(), "seed": run.seed, "goal": goal, "limit": limit}
+    )
+    stored = run.checkpoints.read(case)
+    tally, blocks = stored or (Tally.empty(points, len(FLOWS) + len(lit.elements)), 0)
+    error, start = float("nan"), tally.total_paths
+    while True:
+        if blocks:
+            error = error_of(tally)
+            if error <= goal or tally.total_paths >= limit:
+                break
+        more = max(-(-_LEAST_PATHS // (points * BLOCK)), blocks // 4)
+        state = TraceState(tally.total_paths, limit, error, goal, figure, start)
+        watch = _Watch(run.progress, state, points * BLOCK)
+        tally = tally + trace(
+            lit.scene, source, more, seed=run.seed, first=blocks, threads=run.threads,
+            after_block=watch.block if run.progress else None,
+        )  # fmt: skip
+        blocks += more
+        run.checkpoints.write(case, tally, blocks)
+    if run.progress:
+        paths = tally.total_paths
+        run.progress(TraceState(paths, paths, error, goal, figure, start))
+    lost = tally.fraction[FLOWS.index("lost")]
+    if lost > _LOST_LIMIT:
+        raise TraceError(f"{lit.name}: {lost:.2e} of the paths were lost; allowed {_LOST_LIMIT:g}")
+    return tally
+
+
+class _Watch:
+    """Tells a watcher of each block within a round."""
+
+    def __init__(
+        self, progress: Callable[[TraceState], None] | None, state: TraceState, block: int
+    ) -> None:
+        self._progress, self._block = progress, block
+        expected = state.expected
+        if state.paths:
+            expected = min(expected, round(state.paths * (state.error / state.goal) ** 2))
+        self._state = state._replace(expected=expected)
+
+    def block(self) -> None:
+        paths = self._state.paths + self._block
+        self._state = self._state._replace(paths=paths, expected=max(paths, self._state.expected))
+        self._progress(self._state)

@@ -1,0 +1,92 @@
+"""What a wave of paths under way consists of: a slot for each, and a queue before each element.
+
+Paths are not followed one after the other but a queue at a time, so that the many rays that stand
+before the same film can go through it eight at a time. A path's random numbers are its own, so the
+order does not change it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS
+from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import LANES
+from mpfcad.optics.sampling import RNG_SIZE
+
+#: Paths under way at once: their slots fit the processor's second cache.
+SLOTS = 1024
+
+
+class Wave(NamedTuple):
+    """Paths under way, one a slot, s slots; e elements, f flows.
+
+    Attributes
+    ----------
+    place
+        (s, 6) float64, x, y, z [mm] and direction
+    weight, radiance
+        (s,) float64
+    upward, way
+        (s,) int64, whether the ray goes up (0, 1); 1, -1, 0 after an element
+    lamp, path
+        (s,) int64, the lamp that the path starts on; its number in the block
+    rng
+        (s, 8) uint64, generators
+    once
+        (s, f) float64, where the path's weight went
+    queue, length
+        (e, s) int64, slots that wait before each element; (e,) int64, how many
+    batch
+        (s,) int64, scratch: the slots of one queue
+    lane_float, lane_whole
+        scratch of `film_passages`
+    """
+
+    place: NDArray[np.float64]
+    weight: NDArray[np.float64]
+    radiance: NDArray[np.float64]
+    upward: NDArray[np.int64]
+    way: NDArray[np.int64]
+    lamp: NDArray[np.int64]
+    path: NDArray[np.int64]
+    rng: NDArray[np.uint64]
+    once: NDArray[np.float64]
+    queue: NDArray[np.int64]
+    length: NDArray[np.int64]
+    batch: NDArray[np.int64]
+    lane_float: NDArray[np.float64]
+    lane_whole: NDArray[np.int64]
+
+    @classmethod
+    def empty(cls, elements: int, flows: int) -> "Wave":
+        """Return the scratch of a wave through a number of elements."""
+
+        def whole(*shape: int) -> NDArray[np.int64]:
+            return np.zeros(shape, np.int64)
+
+        return cls(
+            np.zeros((SLOTS, 6)), np.zeros(SLOTS), np.zeros(SLOTS),
+            whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
+            np.zeros((SLOTS, RNG_SIZE), np.uint64), np.zeros((SLOTS, flows)),
+            whole(elements, SLOTS), whole(elements), whole(SLOTS),
+            np.zeros((FLOAT_ROWS, LANES)), whole(WHOLE_ROWS, LANES),
+        )  # fmt: skip
+
+
+@kernel
+def enqueue(wave, element, slot):
+    """Let a slot's ray wait before an element."""
+    wave.queue[element, wave.length[element]] = slot
+    wave.length[element] += 1
+
+
+@kernel
+def longest_queue(wave):
+    """Return (element, number) of the queue in which most wait."""
+    best = 0
+    for e in range(1, len(wave.length)):
+        if wave.length[e] > wave.length[best]:
+            best = e
+    return best, wave.length[best]

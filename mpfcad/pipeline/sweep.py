@@ -1,0 +1,230 @@
+"""`run_sweep`: every point traced once, by any number of processes, and what they say together."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.job.sweep import Sweep
+from mpfcad.pipeline.effort import available_threads
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.record import versions
+from mpfcad.pipeline.sweep_point import Point, build_point, describe_coordinate, trace_point
+
+RECORD, DATASET, PAGE = "sweep.json", "sweep.nc", "sweep.html"
+
+
+def default_sweep_out(sweep: Sweep) -> Path:
+    """Return where a sweep's results go unless told otherwise."""
+    return Path("exports") / f"{sweep.name}-sweep"
+
+
+def run_sweep(
+    sweep: Sweep,
+    sweep_file: Path,
+    out: Path,
+    *,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Trace the points that are not yet there; write dataset and page into `out`.
+
+    Every finished point is a file of its own in a folder beside `out` and never traced again.
+    `scheduler` is the address of a Dask scheduler; None starts `workers` local processes. The
+    results do not depend on either.
+
+    Raises
+    ------
+    InputError
+        when the sweep or a point of it is wrong, before anything is traced.
+    """
+    sweep_file, out = Path(sweep_file), Path(out)
+    points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
+    files = _point_files(points, out.with_name(f".{out.name}.points"))
+    found: dict[int, dict[str, Any]] = {}
+    for i, file in enumerate(files):
+        if file.is_file():
+            found[i] = json.loads(file.read_bytes())
+    left = {i: point for i, point in enumerate(points) if i not in found}
+    progress.stage(f"{len(found)} of {len(points)} points are there")
+    if left:
+        files[0].parent.mkdir(parents=True, exist_ok=True)
+        with _traced(left, scheduler, workers) as results:
+            for i, result in results:
+                # Through JSON, so that a fresh result and a kept one are the same.
+                text = canonical_json(result)
+                part = files[i].with_name(f".{files[i].name}.part")
+                write_text(part, text)
+                part.replace(files[i])
+                found[i] = json.loads(text)
+                name = describe_coordinate(points[i].coordinate)
+                progress.stage(f"{len(found)} of {len(points)} points: {name}")
+    ordered = [found[i] for i in range(len(points))]
+    record = _describe(sweep, ordered)
+    with export_folder(out, "sweep") as folder:
+        from mpfcad.report import write_sweep_page
+
+        write_text(folder / RECORD, canonical_json(record))
+        write_dataset(folder / DATASET, sweep, ordered)
+        write_sweep_page(folder / PAGE, record)
+        write_manifest(folder, sweep.name, "sweep")
+    return record
+
+
+def _point_files(points: list[Point], folder: Path) -> list[Path]:
+    """Return the result file of each point, named by a hash of all that it depends on."""
+    code = canonical_json(versions())
+    return [
+        folder / f"{hashlib.sha256((code + point.inputs()).encode()).hexdigest()[:32]}.json"
+        for point in points
+    ]
+
+
+@contextmanager
+def _traced(
+    points: dict[int, Point], scheduler: str | None, workers: int | None
+) -> Iterator[Iterator[tuple[int, dict[str, Any]]]]:
+    """Give the results as they come in, in any order; a task of a lost worker is done again."""
+    if scheduler is None and workers == 1:
+        yield ((i, trace_point(point)) for i, point in points.items())
+        return
+    from dask import config
+    from distributed import Client, LocalCluster, as_completed
+
+    # A worker that is killed costs its task one attempt; it is not the task's fault.
+    with config.set({"distributed.scheduler.allowed-failures": 10}):
+        cluster = scheduler or LocalCluster(
+            n_workers=workers or available_threads(),
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+        )
+        with Client(cluster) as client:
+            futures = {
+                client.submit(trace_point, point, pure=False): i for i, point in points.items()
+            }
+            yield ((futures[done], done.result()) for done in as_completed(futures))
+        if scheduler is None:
+            cluster.close()
+
+
+def _describe(sweep: Sweep, results: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "name": sweep.name,
+        "sweep": sweep.document(),
+        "points": results,
+        "optima": find_optima(sweep, results),
+        "paths": sum(result["paths"] for result in results),
+        "versions": versions(),
+    }
+
+
+def main_axis(sweep: Sweep) -> str | None:
+    """Return the first axis of numbers with more than one value; the others part the curves."""
+    for axis, values in sweep.axis.items():
+        if len(values) > 1 and isinstance(values[0], float):
+            return axis
+    return None
+
+
+def find_optima(sweep: Sweep, results: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return, for each curve over the main axis, its optimum and the range below the limit.
+
+    The range is where the contrast, linear between points, is below the limit; `certain` where the
+    upper end of its interval is.
+    """
+    axis = main_axis(sweep)
+    if axis is None:
+        return []
+    curves: dict[str, list[dict[str, Any]]] = {}
+    for result in results:
+        rest = {k: v for k, v in result["coordinate"].items() if k != axis}
+        curves.setdefault(json.dumps(rest), []).append(result)
+    return [_optimum(axis, json.loads(rest), curve, sweep) for rest, curve in curves.items()]
+
+
+def _optimum(axis: str, rest: dict, curve: list[dict[str, Any]], sweep: Sweep) -> dict[str, Any]:
+    curve = sorted(curve, key=lambda result: result["coordinate"][axis])
+    x = np.array([result["coordinate"][axis] for result in curve])
+    contrast = [result["lamp_mura_contrast"] for result in curve]
+    value = np.array([c["value"] for c in contrast])
+    high = np.array([c["ci95"][1] for c in contrast])
+    best, brightest = int(np.argmin(value)), None
+    below = np.flatnonzero(high <= sweep.contrast_limit)
+    if below.size:
+        mean = np.array([result["mean_luminance_cd_m2"]["value"] for result in curve])
+        brightest = float(x[below[np.argmax(mean[below])]])
+    return {
+        "axis": axis,
+        "curve": rest,
+        "optimum": float(x[best]),
+        "contrast": contrast[best],
+        "mean_luminance_cd_m2": curve[best]["mean_luminance_cd_m2"],
+        "below_limit": ranges_below(x, value, sweep.contrast_limit),
+        "certain_below_limit": ranges_below(x, high, sweep.contrast_limit),
+        "brightest_below_limit": brightest,
+    }
+
+
+def ranges_below(x: np.ndarray, value: np.ndarray, limit: float) -> list[list[float]]:
+    """Return the ranges [from, to] of x in which a piecewise linear value is at most `limit`."""
+    ranges: list[list[float]] = []
+    inside = False
+    for i in range(len(x)):
+        if value[i] <= limit and not inside:
+            start = x[i]
+            if i > 0:
+                share = (value[i - 1] - limit) / (value[i - 1] - value[i])
+                start = x[i - 1] + share * (x[i] - x[i - 1])
+            ranges.append([float(start), float(x[i])])
+        elif value[i] <= limit:
+            ranges[-1][1] = float(x[i])
+        elif inside:
+            share = (limit - value[i - 1]) / (value[i] - value[i - 1])
+            ranges[-1][1] = float(x[i - 1] + share * (x[i] - x[i - 1]))
+        inside = bool(value[i] <= limit)
+    return ranges
+
+
+def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> None:
+    """Write the results as a netCDF file (version 3): one dimension an axis, and the position."""
+    import xarray
+
+    shape = tuple(len(values) for values in sweep.axis.values())
+
+    def grid(pick) -> np.ndarray:
+        values = np.array([pick(result) for result in results])
+        return values.reshape(shape + values.shape[1:])
+
+    # A dot cannot be in a name of every reader of netCDF.
+    axes = [axis.replace(".", "_") for axis in sweep.axis]
+    luminance = results[0]["luminance"]
+    unit = "cd m-2"
+    variables = {
+        "lamp_mura_contrast": grid(lambda r: r["lamp_mura_contrast"]["value"]),
+        "lamp_mura_contrast_low": grid(lambda r: r["lamp_mura_contrast"]["ci95"][0]),
+        "lamp_mura_contrast_high": grid(lambda r: r["lamp_mura_contrast"]["ci95"][1]),
+        "mean_luminance": grid(lambda r: r["mean_luminance_cd_m2"]["value"]),
+        "mean_luminance_low": grid(lambda r: r["mean_luminance_cd_m2"]["ci95"][0]),
+        "mean_luminance_high": grid(lambda r: r["mean_luminance_cd_m2"]["ci95"][1]),
+        "local_shift": grid(lambda r: r["local_shift_mm"]),
+        "paths": grid(lambda r: r["paths"]).astype(np.int32),
+    }
+    data = {}
+    for name, values in variables.items():
+        of = unit if name.startswith("mean") else "mm" if name == "local_shift" else "1"
+        data[name] = (axes, values, {"units": of})
+    for name in ("luminance", "standard_error"):
+        values = grid(lambda r, key=f"{name}_cd_m2": r["luminance"][key])
+        data[name] = ([*axes, "position_pitch"], values, {"units": unit})
+    coordinates = dict(zip(axes, sweep.axis.values(), strict=True))
+    coordinates["position_pitch"] = luminance["position_pitch"]
+    dataset = xarray.Dataset(data, coordinates, {"title": sweep.name, "seed": str(sweep.seed)})
+    dataset.to_netcdf(path, format="NETCDF3_64BIT", engine="scipy")

@@ -1,0 +1,85 @@
+"""The camera image as files: what the eye sees, its contour, and the luminance itself."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Files of a picture, in the order they are written.
+PICTURES = ("camera.png", "camera-contour.png", "camera.tif")
+#: Pixels of the PNG files for one of the picture.
+_ZOOM = 3
+#: Widths of a contour band, as shares of the mean: the least that is two standard errors is taken.
+_BANDS = (0.005, 0.01, 0.02, 0.05, 0.1)
+_MOST_COUNTS = 60_000
+#: Bands below, at and above the mean.
+_LOW, _MEAN, _HIGH = (np.array(c, float) for c in ((8, 48, 107), (244, 244, 240), (140, 45, 4)))
+_BANDS_TO_FULL = 5
+
+
+def camera_picture(camera: dict[str, Any], lamps_level: bool) -> NDArray[np.float64]:
+    """Return the picture [cd/m²], (n, n) float64, as it lies on the screen.
+
+    Every line along the lamps is one traced value. `lamps_level`: the lamps lie level on the
+    screen, so x runs down the picture.
+    """
+    lines = np.asarray(camera["luminance_cd_m2"])
+    picture = np.repeat(lines[:, None], len(lines), axis=1)
+    return picture if lamps_level else picture.T
+
+
+def band_width(camera: dict[str, Any]) -> float:
+    """Return the width of a contour band, as a share of the mean."""
+    error = np.mean(camera["standard_error_cd_m2"]) / np.mean(camera["luminance_cd_m2"])
+    return next((band for band in _BANDS if band >= 2 * error), _BANDS[-1])
+
+
+def write_pictures(folder: Path, camera: dict[str, Any], lamps_level: bool) -> None:
+    """Write `PICTURES` into a folder; the same figures give the same bytes."""
+    from PIL import Image
+
+    picture = camera_picture(camera, lamps_level)
+    big = np.kron(picture, np.ones((_ZOOM, _ZOOM)))
+    grey = np.clip(np.round(big / (1.1 * picture.mean()) * 255), 0, 255).astype(np.uint8)
+    Image.fromarray(grey).save(folder / PICTURES[0], compress_level=9)
+    bands = contour(big, band_width(camera))
+    Image.fromarray(bands).save(folder / PICTURES[1], compress_level=9)
+    _write_tiff(folder / PICTURES[2], picture, camera["pixel_mm"])
+
+
+def contour(picture: NDArray[np.float64], width: float) -> NDArray[np.uint8]:
+    """Return a picture's bands in colour with their borders, (n, m, 3) uint8.
+
+    `width`: of a band, as a share of the mean.
+    """
+    band = np.round((picture / picture.mean() - 1) / width)
+    share = np.clip(np.abs(band) / _BANDS_TO_FULL, 0, 1)[..., None]
+    colour = _MEAN + share * (np.where(band[..., None] < 0, _LOW, _HIGH) - _MEAN)
+    border = np.zeros(band.shape, bool)
+    border[1:] |= band[1:] != band[:-1]
+    border[:, 1:] |= band[:, 1:] != band[:, :-1]
+    colour[border] *= 0.55
+    return np.round(colour).astype(np.uint8)
+
+
+def _write_tiff(path: Path, picture: NDArray[np.float64], pixel: float) -> None:
+    """Write 16-bit counts; the description says how many cd/m² one count is."""
+    from tifffile import imwrite
+
+    exact = picture.max() / _MOST_COUNTS
+    digits = 2 - math.floor(math.log10(exact))
+    step = math.ceil(exact * 10**digits) / 10**digits
+    says = {"luminance_cd_m2_per_count": step, "pixel_mm": pixel, "axes": "down, right"}
+    imwrite(
+        path,
+        np.round(picture / step).astype("<u2"),
+        photometric="minisblack",
+        description=json.dumps(says),
+        resolution=(10 / pixel, 10 / pixel),
+        resolutionunit="CENTIMETER",
+        software="mpfcad",
+        metadata=None,
+    )

@@ -1,0 +1,95 @@
+"""An interrupted trace goes on where it was, and ends with the bits of one never interrupted."""
+
+import numpy as np
+import pytest
+from harness import film_file, groove
+
+from mpfcad.backlight import read_stack
+from mpfcad.errors import InputError
+from mpfcad.measure import Checkpoints, TraceRun, light_film, luminance_over_pitch
+
+GOAL, LIMIT = 1e-9, 700_000
+
+
+@pytest.fixture(scope="module")
+def lit(tmp_path_factory):
+    mesh = film_file(tmp_path_factory.mktemp("film") / "film.stl", [groove(60.0)] * 20, base=0.2)
+    return light_film(read_stack("thesis-32in-mpf"), mesh)
+
+
+def traced(lit, folder, progress=None, **run):
+    with Checkpoints(folder) as checkpoints:
+        setting = TraceRun(**{"seed": 5, "path_limit": LIMIT, **run}, checkpoints=checkpoints,
+                           progress=progress)  # fmt: skip
+        return luminance_over_pitch(lit, setting, half_width_goal=GOAL)
+
+
+@pytest.fixture(scope="module")
+def whole(lit):
+    return traced(lit, None)
+
+
+def interrupt_after(paths):
+    def watch(state):
+        if state.paths > paths:
+            raise KeyboardInterrupt
+
+    return watch
+
+
+def leave_half(lit, folder, **run):
+    """Interrupt a trace of three rounds in its third one."""
+    with pytest.raises(KeyboardInterrupt):
+        traced(lit, folder, interrupt_after(600_000), **run)
+    return sorted(folder.iterdir())
+
+
+def test_a_resumed_trace_has_the_bits_of_an_uninterrupted_one(tmp_path, lit, whole):
+    (left,) = leave_half(lit, tmp_path)
+    assert left.suffix == ".npz"
+    seen = []
+    resumed = traced(lit, tmp_path, seen.append, threads=2)
+    # It went on after two rounds of 16 blocks of 33 · 512 paths …
+    assert seen[0].start == 2 * 16 * 33 * 512 and seen[0].paths > seen[0].start
+    # … to the same bits, and nothing is left.
+    assert np.array_equal(resumed.luminance, whole.luminance)
+    assert np.array_equal(resumed.standard_error, whole.standard_error)
+    assert (resumed.contrast, resumed.paths) == (whole.contrast, whole.paths)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_finished_trace_waits_for_the_rest_of_the_work(tmp_path, lit, whole):
+    with pytest.raises(KeyboardInterrupt), Checkpoints(tmp_path) as checkpoints:
+        run = TraceRun(5, path_limit=LIMIT, checkpoints=checkpoints)
+        luminance_over_pitch(lit, run, half_width_goal=GOAL)
+        raise KeyboardInterrupt
+    seen = []
+    again = traced(lit, tmp_path, seen.append)
+    assert [state.paths for state in seen] == [whole.paths]
+    assert np.array_equal(again.luminance, whole.luminance)
+
+
+@pytest.mark.parametrize("other", [{"seed": 6}, {"path_limit": 600_000}])
+def test_another_trace_does_not_take_it(tmp_path, lit, other):
+    (left,) = leave_half(lit, tmp_path)
+    seen = []
+    traced(lit, tmp_path, seen.append, **other)
+    assert seen[0].start == 0
+    assert list(tmp_path.iterdir()) == [left]
+
+
+def test_another_film_or_backlight_does_not_take_it(tmp_path, lit):
+    other = film_file(tmp_path / "other.stl", [groove(61.0)] * 20, base=0.2)
+    slim = read_stack("thesis-32in-mpf", thickness=19.0)
+    cases = [lit.case, light_film(lit.stack, other).case, light_film(slim, other).case]
+    cases.append(light_film(lit.stack, other, offset=0.01).case)
+    assert len({str(case) for case in cases}) == 4
+
+
+def test_a_damaged_checkpoint_is_named_not_used(tmp_path, lit):
+    (left,) = leave_half(lit, tmp_path)
+    content = bytearray(left.read_bytes())
+    content[len(content) // 2] ^= 1
+    left.write_bytes(content)
+    with pytest.raises(InputError, match="damaged checkpoint"):
+        traced(lit, tmp_path)

@@ -1,0 +1,65 @@
+"""Runs of films that are no plain grooves: through CAD, mesh, trace and verdict, and verified."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mpfcad.job import read_job
+from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+
+STACK = (
+    'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 12.0\npanel_length_mm = 10.0\n'
+    "lamp_count = 3\nlamp_pitch_mm = 4.0\n"
+)
+KINDS = {
+    "rounded": (
+        "tip_radius_um = 1.5\nvalley_radius_um = 1.0\nprism_angle_deg = 89.0\npitch_error_um = 0.1",
+        "filled",
+    ),
+    "measured": ('measured_file = "trace.csv"', "filled"),
+    "pyramid": ('cell = "pyramid"', "filled"),
+    "paraboloid": ('cell = "paraboloid"', "ideal"),
+}
+
+
+@pytest.fixture
+def job_file(tmp_path, monkeypatch):
+    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 10_000))
+    (tmp_path / "small.toml").write_text(STACK)
+    x = np.arange(0.0, 0.2, 0.0005)
+    local = (x + 0.025) % 0.05 - 0.025
+    table = np.stack([x, 0.012 + 20 * local**2 + 1e-2 * x], axis=1) * 1000
+    np.savetxt(tmp_path / "trace.csv", table, "%.6f", ",", header="x_um,z_um", comments="")
+
+    def write(kind):
+        film, profile = KINDS[kind]
+        path = tmp_path / "job.toml"
+        path.write_text(
+            f'name = "kind"\n[map]\ncurvature_per_mm = 58.0\n'
+            f'[film]\nprofile = "{profile}"\n{film}\n'
+            '[stack]\nfile = "small.toml"\n[cad]\nlength_mm = 0.05\nangle_tolerance_deg = 4.0\n'
+        )
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [kind if kind == "rounded" else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS],
+)
+def test_run_and_verify(job_file, tmp_path, kind):
+    path, out = job_file(kind), tmp_path / "out"
+    record = run_job(read_job(path), path, out, effort="quick", threads=1)
+    gates = {gate["name"]: gate for gate in record["gates"]}
+    assert all(gate["outcome"] == "PASS" for gate in record["gates"][1:])
+    assert ("mask_mesh_curvature_difference_per_mm" in gates) == (kind != "measured")
+    assert (record["mask"] is None) == (kind in ("pyramid", "paraboloid"))
+    # From the export alone: neither job nor trace is read again.
+    (tmp_path / "trace.csv").unlink()
+    assert verify_export(out, threads=1) == record
+    assert json.loads((out / "verification.json").read_text()) == record
+    page = (out / "report.html").read_text()
+    words = {"rounded": "tip radius 1.5 µm, valley radius 1 µm", "measured": "measured profile"}
+    assert words.get(kind, "A section through the cells' tips") in page
