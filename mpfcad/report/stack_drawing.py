@@ -123,14 +123,26 @@ def _note(stack: Stack, layer: str) -> str:
 
 def _own_note(stack: Stack, layer: str) -> str:
     """Return the values of a layer's own in words."""
-    if layer in stack.tables:
+    kind = stack.own[layer].kind
+    if kind == "bsdf":
         return stack.tables[layer].name
-    start = f"{layer}."
-    return ", ".join(
-        f"{key.removeprefix(start).replace('_', ' ')} {quantity.value:g}"
-        for key, quantity in stack.quantity.items()
-        if key.startswith(start)
-    )
+
+    def value(key: str) -> float:
+        return stack[f"{layer}.{key}"]
+
+    if kind == "sheet":
+        share = value("transmission") * 100
+        return f"σ = {value('sigma'):g} of the direction cosines, {share:g} % of the light"
+    note = f"n = {value('index'):g}"
+    if kind == "plate":
+        note += f", {value('thickness_mm'):g} mm"
+        if value("scattering_per_mm") > 0:
+            note += f", scattering {value('scattering_per_mm'):g} /mm, g = {value('asymmetry'):g}"
+        return note
+    if kind == "bef":
+        note += f", prisms {value('pitch_um'):g} × {value('depth_um'):g} µm"
+    turn = value("rotation_deg")
+    return f"{note}, turned {turn:g}°" if turn else note
 
 
 def _label(y: float, name: str, note: str) -> list[str]:

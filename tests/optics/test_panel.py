@@ -25,7 +25,7 @@ def paths(elements, count, x=55.0, y=45.0):
     source = Source(EYE, np.array([x]), 3.0, acceptance=0.5, along=y, spot_along=3.0)
     found = np.empty(count)
     flow = np.zeros(len(FLOWS) + len(elements))
-    single_paths(build_scene(elements), source, 0, 1, 0, found, flow)
+    single_paths(build_scene(elements), source, 1, 0, found, flow)
     return found, flow
 
 
@@ -116,3 +116,16 @@ def test_black_is_what_lies_beside_the_panel():
     found, flow = paths([BOX, SHEET], 50, x=80.0)
     assert (found == 0).all()
     assert flow[FLOWS.index("rim")] == pytest.approx(50 * SHEET.transmission)
+
+
+def test_a_symmetric_panel_is_as_bright_left_as_right_and_near_as_far(tmp_path):
+    lamps = (-30.0, 0.0, 30.0)
+    panel = Panel(-45.0, 45.0, -40.0, 40.0, lamps, (0.7, 1.2, 0.7), 70.0, 0.9, 0.2)
+    crossed = Film(film_mesh(tmp_path, [BARE] * 2), 1.55, rotation=np.pi / 2, flipped=True)
+    scene = build_scene([replace(ENDLESS, panel=panel), PLATE, crossed, SHEET])
+    x, y = np.array([-40.0, 40.0, -40.0, 40.0, 0.0]), np.array([-35.0, -35.0, 35.0, 35.0, 0.0])
+    source = Source(EYE, x, 2.0, acceptance=0.3, along=y, spot_along=2.0)
+    tally = trace(scene, source, 60, seed=8)
+    corners, error = tally.radiance[:4], tally.radiance_error[:4]
+    within(corners, corners.mean(), error, 4)
+    assert corners.max() + 5 * error.max() < tally.radiance[4]

@@ -46,7 +46,7 @@ def test_paths_through_scattering_resin_equal_the_oracle(tmp_path, accelerator, 
     found = np.empty(40)
     flow = np.zeros(len(FLOWS) + len(elements))
     source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
-    single_paths(build_scene(elements), source, 0, 1, 0, found, flow)
+    single_paths(build_scene(elements), source, 1, 0, found, flow)
     oracle = ReferenceTracer(elements)
     expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(40)]
     assert np.any(expected)
