@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit, uint64
 
+from mpfcad.optics.bsdf import bsdf_passage
 from mpfcad.optics.engine import trace_paths
 from mpfcad.optics.film import film_passage, placed_film_passage
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
@@ -142,6 +143,10 @@ def pass_layers(scene, enter_below, seed, out):
             elif scene.kind[e] == 2:
                 passed, dx, dy, dz = sheet_passage(p[0], p[1], dx, dy, dz, rng)
                 weight *= p[2]
+                way = 1 if passed == up else -1
+            elif scene.kind[e] == 4:
+                passed, dx, dy, dz, kept = bsdf_passage(scene.bsdf, int(p[0]), dx, dy, dz, rng)
+                weight *= kept
                 way = 1 if passed == up else -1
             else:
                 way, x, y, dx, dy, dz = placed_film_passage(

@@ -5,6 +5,7 @@ A `Stack` is a list of layers from the lamps up and a table of numbers, each tag
 user's own.
 """
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
 from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import RANGES, Quantity
 from mpfcad.backlight.reader import list_stacks, read_stack
@@ -14,10 +15,12 @@ __all__ = [
     "LAYERS",
     "PRISM_FILE",
     "RANGES",
+    "BsdfLayer",
     "Layer",
     "Quantity",
     "Stack",
     "list_stacks",
     "read_stack",
+    "restore_bsdf_layer",
     "stack_file",
 ]

@@ -17,7 +17,8 @@ def check_layers(where: str, stack: Stack) -> None:
     """
     layers = stack.layers
     slots = [layer for layer in layers if stack.is_slot(layer)]
-    if len(slots) != 1:
+    # A table may stand in the film's place.
+    if len(slots) != 1 and (slots or not stack.table_layers):
         raise InputError(
             f"{where}: layers: {len(slots)} films for the job's film: must be exactly one; more "
             "films have a kind and a file"

@@ -39,6 +39,7 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "index": (*_INDEX, "sheet_index"),
         "transmission": (0.0, 1.0, "sheet_transmission"),
     },
+    "bsdf": {},
 }
 _FLAGS = ("kind", "name", "file", "flipped")
 
@@ -65,7 +66,8 @@ class Layer:
     @property
     def title(self) -> str:
         """What it is, in words."""
-        words = {"film": "film", "bef": "prism film", "plate": "plate", "sheet": "diffuser sheet"}
+        words = {"film": "film", "bef": "prism film", "plate": "plate", "sheet": "diffuser sheet",
+                 "bsdf": "element by its BSDF table"}  # fmt: skip
         where = f" {Path(self.file).name}" if self.file else ""
         down = ", upside down" if self.flipped else ""
         return f"{words[self.kind]}{where}{down}"
@@ -91,12 +93,10 @@ def read_layer(
         kinds = ", ".join(OWN_VALUES)
         raise InputError(f"{where}: layers: {entry}: must be a name or have a kind of {kinds}")
     kind = entry["kind"]
-    name = entry.get("name", f"{kind}_{place}")
+    name = _own_name(where, entry, place)
     at = f"{where}: layers: {name}"
-    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,40}", name):
-        raise InputError(f"{at}: name: must be small letters, digits and _, a letter first")
-    if name in LAYERS:
-        raise InputError(f"{at}: name: must not be that of a named layer")
+    if kind == "bsdf":
+        return name, Layer(name, kind), {}
     is_film = kind in ("film", "bef")
     allowed = [*_FLAGS[:2], *(("file",) if kind == "film" else ()), *OWN_VALUES[kind]]
     allowed += ["flipped"] if is_film else []
@@ -112,3 +112,14 @@ def read_layer(
             raise InputError(f"{at}: file: {file}: not found")
     values = {key: value for key, value in entry.items() if key not in _FLAGS}
     return name, Layer(name, kind, file, flipped), values
+
+
+def _own_name(where: str, entry: dict[str, object], place: int) -> str:
+    """Return the checked name of a layer with values of its own."""
+    name = entry.get("name", f"{entry['kind']}_{place}")
+    at = f"{where}: layers: {name}"
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,40}", name):
+        raise InputError(f"{at}: name: must be small letters, digits and _, a letter first")
+    if name in (*LAYERS, "reflector"):
+        raise InputError(f"{at}: name: must not be that of a named layer")
+    return name

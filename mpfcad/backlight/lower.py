@@ -9,11 +9,11 @@ from mpfcad.optics.chain import build_chain
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.resin import Resin
-from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.units import deg, um
 
 
-def lower_stack(stack: Stack, mesh: FilmMesh, offset: float) -> list[Element]:
+def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float) -> list[Element]:
     """Return the elements of a stack from the bottom up (`Stack.elements`).
 
     Raises
@@ -21,6 +21,9 @@ def lower_stack(stack: Stack, mesh: FilmMesh, offset: float) -> list[Element]:
     InputError
         when the mesh of another film, or that of the prisms, cannot be traced.
     """
+    if stack.has_slot != (mesh is not None):
+        what = "its film needs a mesh" if stack.has_slot else "has no film: allowed is no mesh"
+        raise InputError(f"stack {stack.name}: {what}")
     elements: list[Element] = [_cavity(stack)]
     for i, layer in enumerate(stack.layers):
         if layer in stack.own:
@@ -43,6 +46,7 @@ def _words(layer: str) -> str:
 
 
 def _cavity(stack: Stack) -> Cavity:
+    table = stack.tables.get("reflector")
     return Cavity(
         height=stack.thickness,
         lamp_pitch=stack.lamp_pitch,
@@ -55,6 +59,8 @@ def _cavity(stack: Stack) -> Cavity:
         specular_fraction=stack["reflector_specular_fraction"],
         name="reflector",
         panel=_panel(stack) if stack.extent == "panel" else None,
+        brdf=table.table if table else None,
+        blend=table.blend if table else 1.0,
     )
 
 
@@ -112,6 +118,9 @@ def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
 def _own_layer(stack: Stack, name: str, mesh: FilmMesh, offset: float) -> Element:
     """Return the element of a layer with values of its own."""
     layer = stack.own[name]
+    if layer.kind == "bsdf":
+        table = stack.tables[name]
+        return BsdfSheet(table.table, table.blend, _words(name))
 
     def value(key: str) -> float:
         return stack[f"{name}.{key}"]

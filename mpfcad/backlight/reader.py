@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
 from mpfcad.backlight.check import check_fits, check_layers
 from mpfcad.backlight.derive import derive
 from mpfcad.backlight.layer import read_layer
@@ -14,7 +15,7 @@ from mpfcad.backlight.stack import EXTENTS, Stack
 from mpfcad.errors import InputError
 
 _PRESETS = Path(__file__).parent / "preset"
-_KEYS = {"schema", "extends", "title", "layers", "value", "extent"}
+_KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector"}
 
 
 @dataclass
@@ -26,6 +27,7 @@ class _Text:
     folder: Path = Path()
     extent: object = "pitch"
     value: dict[str, tuple[str, object]] = field(default_factory=dict)
+    table: dict[str, BsdfLayer] = field(default_factory=dict)
 
 
 def list_stacks() -> list[Stack]:
@@ -62,7 +64,9 @@ def read_stack(
     missing = [key for key in RANGES if key not in quantity]
     if missing:
         raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
-    stack = Stack(Path(where).stem, text.title, layers, quantity, text.extent, own)
+    stack = Stack(
+        Path(where).stem, text.title, layers, quantity, text.extent, own, tables=text.table
+    )
     check_layers(where, stack)
     stack = derive(where, stack)
     check_fits(where, stack)
@@ -80,6 +84,8 @@ def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, An
             if name in names:
                 raise InputError(f"{where}: layers: {name}: name: must be there once")
             own[name] = layer
+            if layer.kind == "bsdf":
+                text.table[name] = read_bsdf_layer(f"{where}: layers: {name}", text.folder, entry)
         names.append(name)
         values.update(_flat(f"{where}: layers", {name: given}) if given else {})
     text.value = {**values, **text.value}
@@ -123,6 +129,11 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
     text.value.update(_flat(f"{where}: value", values))
     if "layers" in table:
         text.layers, text.folder = table["layers"], path.parent
+    if "reflector" in table:
+        entry = table["reflector"]
+        if not isinstance(entry, dict):
+            raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
+        text.table["reflector"] = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
     text.title = str(table.get("title", text.title))
     text.extent = table.get("extent", text.extent)
     return text

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from mpfcad.backlight.bsdf_layer import BsdfLayer
 from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import (
     PANEL_RANGES,
@@ -31,13 +32,16 @@ class Stack:
     name, title
         the preset's or file's name; one line in words
     layers
-        from the lamps up, names of `LAYERS` or of `own`; one is the place of the job's film
+        from the lamps up, names of `LAYERS` or of `own`; one is the place of the job's
+        film, or none where a table stands in it
     quantity
         one entry for each name of `RANGES`, and those that the stack needs besides
     extent
         `pitch`: everything repeats sideways without end; `panel`: the whole panel with its walls
     own
         by name, the layers with values of their own, which `quantity` holds as `name.value`
+    tables
+        by the layer's name, BSDF tables; `reflector`: one in the place of the reflector's values
     prism
         mesh file of the job's film without resin: needed where the resin scatters
     """
@@ -48,6 +52,7 @@ class Stack:
     quantity: dict[str, Quantity]
     extent: Literal["pitch", "panel"] = "pitch"
     own: dict[str, Layer] = field(default_factory=dict)
+    tables: dict[str, BsdfLayer] = field(default_factory=dict)
     prism: Path | None = None
 
     def __getitem__(self, name: str) -> float:
@@ -117,7 +122,7 @@ class Stack:
         return default if quantity is None else quantity.value
 
     def kind_of(self, layer: str) -> str:
-        """Return `plate`, `sheet` or `film`."""
+        """Return `plate`, `sheet`, `film` or `bsdf`."""
         kind = self.own[layer].kind if layer in self.own else layer.rpartition("_")[2]
         return "film" if kind == "bef" else kind
 
@@ -130,6 +135,16 @@ class Stack:
         if layer in self.own:
             return self.own[layer].kind == "film" and self.own[layer].file is None
         return layer.endswith("film")
+
+    @property
+    def has_slot(self) -> bool:
+        """Whether there is a place for the job's film."""
+        return any(map(self.is_slot, self.layers))
+
+    @property
+    def table_layers(self) -> list[str]:
+        """Names of the layers that are BSDF tables."""
+        return [layer for layer in self.layers if layer in self.tables]
 
     def files(self) -> dict[str, Path]:
         """Return the meshes of films beside the job's, by the layer's name."""
@@ -158,12 +173,15 @@ class Stack:
         names += sorted((k for k in self.quantity if lamp_of(k)), key=lambda k: (lamp_of(k), k))
         names += [k for k in PARTICLE_RANGES if k in self.quantity]
         names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
-        return [
+        numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
             for k, q in ((k, self.quantity[k]) for k in names)
         ]
+        return numbers + [
+            {"name": k, **table.describe_source()} for k, table in self.tables.items()
+        ]
 
-    def elements(self, mesh: FilmMesh, offset: float = 0.0) -> list[Element]:
+    def elements(self, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
         """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
         `offset` [mm] is the x of the film tile's left edge.

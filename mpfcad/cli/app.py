@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mpfcad.cli import (
+    bsdf,
     cad,
     calibrate,
     compare,
@@ -63,7 +64,8 @@ def _global_options(
 
 
 _COMMANDS = (
-    run, mask, cad, mould, trace, measure, compare, verify, design, sweep, calibrate, stacks, init,
+    run, mask, cad, mould, trace, measure, compare, verify, design, sweep, bsdf, calibrate, stacks,
+    init,
 )  # fmt: skip
 
 for command in _COMMANDS:

@@ -77,6 +77,13 @@ class Terminal:
         else:
             self._show(f"{self._stage}: {note}")
 
+    def count(self, done: int, total: int, note: str) -> None:
+        """Show how far a stage of counted steps is, in a pipe at most every `interval` seconds."""
+        if self._live:
+            self._bar.update(self._task, completed=done, total=total, note=note)
+        elif time.monotonic() - self._last_line >= self.interval:
+            self._show(f"{self._stage}: {note}")
+
     def _elapsed(self) -> str:
         return f"{time.monotonic() - self._start:6.1f} s"
 

@@ -9,7 +9,14 @@ from mpfcad.cli.option import Effort, Threads
 
 
 def command(
-    mesh: Annotated[Path, typer.Argument(metavar="FILE.stl", help="A closed film mesh, in mm.")],
+    mesh: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE.stl",
+            help="A closed film mesh, in mm; none for a stack with a BSDF table in its place.",
+            show_default=False,
+        ),
+    ] = None,
     stack: Annotated[
         str, typer.Option("--stack", metavar="NAME|FILE.toml", help="See mpfcad stacks.")
     ] = "thesis-32in-mpf",

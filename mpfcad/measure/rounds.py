@@ -88,8 +88,10 @@ class Lit:
         return self.stack.extent == "panel"
 
 
-def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
+def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit:
     """Return a film mesh, read from disk, in a stack; `offset` [mm]: left edge from a lamp's axis.
+
+    `mesh_path` is None for a stack without film, that of a BSDF table in its place.
 
     Raises
     ------
@@ -99,16 +101,17 @@ def light_film(stack: Stack, mesh_path: Path, offset: float = 0.0) -> Lit:
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
 
-    elements = stack.elements(read_film_mesh(mesh_path), offset)
+    mesh = None if mesh_path is None else read_film_mesh(mesh_path)
+    elements = stack.elements(mesh, offset)
     scene = build_scene(elements)
     case = {
-        "mesh": hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
+        "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,
         "layers": list(stack.layers),
         "values": {name: entry.value for name, entry in stack.quantity.items()},
         "scene": array_hash(scene),
     }
-    return Lit(stack, elements, scene, case, str(mesh_path))
+    return Lit(stack, elements, scene, case, str(mesh_path or stack.name))
 
 
 def trace_rounds(

@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit, uint64
 from numpy.typing import ArrayLike, NDArray
 
+from mpfcad.optics.bsdf import bsdf_passage
 from mpfcad.optics.cavity import (
     LAMP,
     NO_LAMP,
@@ -44,7 +45,7 @@ from mpfcad.optics.tile import CHAIN
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
-_CAVITY, _SLAB, _SHEET, _FILM = range(4)
+_CAVITY, _SLAB, _SHEET, _FILM, _BSDF = range(5)
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
 _UP, _DOWN, _LOST, _ROULETTE, _LAMPS, _WALLS, _RIM, _ELEMENTS = range(8)
 _ROULETTE_BELOW = 0.1
@@ -181,10 +182,17 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             nz = (z - parameter[3]) / parameter[4]
             dx, dy, dz = lambertian(nx, 0.0, nz, rng)
         elif what == REFLECTOR:
-            flow[_ELEMENTS] += weight * (1.0 - parameter[7])
-            weight *= parameter[7]
+            before = weight
             lamp = NO_LAMP
-            dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+            table = int(parameter[9])
+            if table >= 0:
+                _, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
+                weight *= survival
+                dz = abs(dz)
+            else:
+                weight *= parameter[7]
+                dx, dy, dz = reflector_direction(parameter[8], dx, dy, dz, rng)
+            flow[_ELEMENTS] += before - weight
         elif what in (WALL_ACROSS, WALL_ALONG):
             flow[_WALLS] += weight * (1.0 - scene.wall[4])
             weight *= scene.wall[4]
@@ -244,6 +252,10 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     elif kind == _SHEET:
         passed, dx, dy, dz = sheet_passage(parameter[0], parameter[1], dx, dy, dz, rng)
         weight *= parameter[2]
+        way = 1 if passed == up else -1
+    elif kind == _BSDF:
+        passed, dx, dy, dz, survival = bsdf_passage(scene.bsdf, int(parameter[0]), dx, dy, dz, rng)
+        weight *= survival
         way = 1 if passed == up else -1
     else:
         way, x, y, dx, dy, dz = placed_film_passage(

@@ -7,6 +7,7 @@ numbers in the same order as `engine`, so that single paths can be compared, not
 
 import math
 
+from mpfcad.optics.reference_bsdf import scatter
 from mpfcad.optics.reference_cavity import cavity_passage
 from mpfcad.optics.reference_film import ReferenceFilm
 from mpfcad.optics.reference_ray import (
@@ -21,7 +22,7 @@ from mpfcad.optics.reference_ray import (
     roulette,
     scattering_cosine,
 )
-from mpfcad.optics.scene import Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 
 
 class ReferenceTracer:
@@ -57,6 +58,7 @@ class ReferenceTracer:
             element = self.elements[number]
             pass_through = {
                 Cavity: cavity_passage, Slab: self._slab, Sheet: self._sheet, Film: self._film,
+                BsdfSheet: self._bsdf,
             }[type(element)]  # fmt: skip
             up, place, d, weight, found = pass_through(element, up, place, d, weight, rng)
             total += found
@@ -100,6 +102,11 @@ class ReferenceTracer:
             if accept < (1 - r1) * (1 - r2) / (1 - r1 * r2):
                 return up, place, (kx, ky, math.copysign(kz, d[2])), weight, 0.0
         return not up, place, (d[0], d[1], -d[2]), weight, 0.0
+
+    @staticmethod
+    def _bsdf(sheet, up, place, d, weight, rng):
+        passed, d, kept = scatter(sheet.table, sheet.blend, d, rng)
+        return passed == up, place, d, weight * kept, 0.0
 
     @staticmethod
     def _slab(slab, up, place, d, weight, rng):

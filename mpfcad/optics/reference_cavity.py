@@ -3,6 +3,7 @@
 import math
 
 from mpfcad.optics.panel import Panel
+from mpfcad.optics.reference_bsdf import scatter
 from mpfcad.optics.reference_ray import Philox, Vector, disk, lambertian, roulette
 from mpfcad.optics.scene import Cavity
 
@@ -33,14 +34,21 @@ def cavity_passage(
             break
         else:
             z, own = 0.0, None
-            weight *= cavity.reflectance
-            if rng() < cavity.specular_fraction:
-                d = (d[0], d[1], -d[2])
-            else:
-                px, py = disk(rng)
-                d = (px, py, math.sqrt(1 - px * px - py * py))
+            d, kept = _reflector(cavity, d, rng)
+            weight *= kept
         weight = roulette(weight, rng)
     return True, (x, y, 0.0), d, weight, total
+
+
+def _reflector(cavity: Cavity, d: Vector, rng: Philox) -> tuple[Vector, float]:
+    """Return the direction after the reflector and the share of the light it leaves."""
+    if cavity.brdf is not None:
+        _, d, kept = scatter(cavity.brdf, cavity.blend, d, rng)
+        return (d[0], d[1], abs(d[2])), kept
+    if rng() < cavity.specular_fraction:
+        return (d[0], d[1], -d[2]), cavity.reflectance
+    px, py = disk(rng)
+    return (px, py, math.sqrt(1 - px * px - py * py)), cavity.reflectance
 
 
 def _lamp(
@@ -92,6 +100,10 @@ def _panel_passage(
             d = lambertian(normal, rng)
         else:
             own = None
+            if what == "z" and cavity.brdf is not None:
+                d, kept = _reflector(cavity, d, rng)
+                weight, o = roulette(weight * kept, rng), _onto(o, 2, panel, True)
+                continue
             walls = (panel.wall_reflectance, panel.wall_specular_fraction)
             share, mirrored = (cavity.reflectance, cavity.specular_fraction)
             share, mirrored = (share, mirrored) if what == "z" else walls

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
+from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
+from mpfcad.optics.bsdf_table import BsdfTable
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.panel import NO_WALL, Panel
 from mpfcad.optics.phase import phase_table
@@ -21,7 +23,7 @@ from mpfcad.optics.resin import Resin
 from mpfcad.optics.tile import ACCELERATORS, build_tile
 from mpfcad.optics.tile_table import TileTable, build_tile_table
 
-CAVITY, SLAB, SHEET, FILM = range(4)
+CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
 _PARAMETERS = 12
 #: Largest length [mm] along y over which a meter averages on a finite panel.
 _MOST_ALONG = 2.0
@@ -47,6 +49,8 @@ class Cavity:
         of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
     panel
         its edges and its own row of lamps; None: lamps of one kind with their pitch, without end
+    brdf, blend
+        a table in the place of the reflector's two values, and its interpolation (`BsdfSheet`)
     """
 
     height: float
@@ -60,6 +64,8 @@ class Cavity:
     specular_fraction: float
     name: str = "cavity"
     panel: Panel | None = None
+    brdf: BsdfTable | None = None
+    blend: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,8 +153,25 @@ class Film:
     resin: Resin | None = None
 
 
-Element = Cavity | Slab | Sheet | Film
-_CLASSES = (Cavity, Slab, Sheet, Film)
+@dataclass(frozen=True, eq=False)
+class BsdfSheet:
+    """A thin element that scatters by a table.
+
+    Attributes
+    ----------
+    table
+        both ways, both sides
+    blend
+        0: a table of steps; 1: linear between the bins' middles
+    """
+
+    table: BsdfTable
+    blend: float = 1.0
+    name: str = "bsdf"
+
+
+Element = Cavity | Slab | Sheet | Film | BsdfSheet
+_CLASSES = (Cavity, Slab, Sheet, Film, BsdfSheet)
 
 
 class Scene(NamedTuple):
@@ -162,11 +185,14 @@ class Scene(NamedTuple):
         (e, 12) float64, the fields of each element in the order of its class; a plate's end with
         the row of its phase function; a film's: index, index below, offset, cosine and sine of its
         rotation, flipped, number of its tile, of its resin scattering, asymmetry, row of its phase
-        function and tile of the prisms under it
+        function and tile of the prisms under it; a cavity's end with the row of its BRDF or -1; a
+        BSDF sheet's is the row of its table
     tiles
         the tiles of the films and of the prisms under scattering resin
     phase
         (r, STEPS+1) float64, tabulated phase functions
+    bsdf
+        the tables of all BSDF elements
     wall, lamp
         (7,) and (l, 3) float64, a finite panel's (`Panel.arrays`); without end: no lamps
     length
@@ -179,6 +205,7 @@ class Scene(NamedTuple):
     parameter: NDArray[np.float64]
     tiles: TileTable
     phase: NDArray[np.float64]
+    bsdf: BsdfArrays
     wall: NDArray[np.float64]
     lamp: NDArray[np.float64]
     length: float
@@ -202,11 +229,11 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         or the asked accelerator does not fit the mesh.
     """
     _check_order(elements)
-    tiles, phases = _Rows(), _Rows()
+    tiles, phases, bsdfs = _Rows(), _Rows(), _Rows()
     kind = np.array([_CLASSES.index(type(element)) for element in elements], np.int64)
     parameter = np.zeros((len(elements), _PARAMETERS))
     for i, element in enumerate(elements):
-        values = _parameters(element, tiles, phases)
+        values = _parameters(element, tiles, phases, bsdfs)
         parameter[i, : len(values)] = values
     panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
     wall, lamp = panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
@@ -215,7 +242,9 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         length = min(length, _MOST_ALONG)
     table = build_tile_table([build_tile(mesh, way) for mesh, way in tiles.entries])
     phase = phase_table(phases.entries)
-    return Scene(kind, parameter, table, phase, wall, lamp, length, float(below), float(above))
+    bsdf = build_bsdf([t for t, _ in bsdfs.entries], [blend for _, blend in bsdfs.entries])
+    sky = float(below), float(above)
+    return Scene(kind, parameter, table, phase, bsdf, wall, lamp, length, *sky)
 
 
 class _Rows:
@@ -244,7 +273,7 @@ def _check_order(elements: list[Element]) -> None:
                 raise TraceError("a film upside down cannot be bonded on a slab")
 
 
-def _parameters(element: Element, tiles: _Rows, phases: _Rows) -> list[float]:
+def _parameters(element: Element, tiles: _Rows, phases: _Rows, bsdfs: _Rows) -> list[float]:
     """Return the numbers of an element in the order in which the kernels unpack them."""
     if isinstance(element, Film):
         cosine, sine = _quadrant(element.rotation)
@@ -257,11 +286,19 @@ def _parameters(element: Element, tiles: _Rows, phases: _Rows) -> list[float]:
             prism = tiles.number((id(resin.prism), "chain"), (resin.prism, "chain"))
             values += [resin.scattering, resin.asymmetry, row, prism]
         return values
-    skipped = ("name", "panel", "phase")
+    if isinstance(element, BsdfSheet):
+        return [_bsdf_row(element.table, element.blend, bsdfs)]
+    skipped = ("name", "panel", "phase", "brdf", "blend")
     values = [float(v) for k, v in vars(element).items() if k not in skipped]
     if isinstance(element, Slab):
         values.append(_phase_row(element.phase, phases))
+    if isinstance(element, Cavity):
+        values.append(_bsdf_row(element.brdf, element.blend, bsdfs))
     return values
+
+
+def _bsdf_row(table: BsdfTable | None, blend: float, bsdfs: _Rows) -> float:
+    return -1.0 if table is None else bsdfs.number((id(table), blend), (table, blend))
 
 
 def _phase_row(phase: NDArray[np.float64] | None, phases: _Rows) -> float:

@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import Layer, Quantity, Stack, read_stack, stack_file
+from mpfcad.backlight import (
+    Layer,
+    Quantity,
+    Stack,
+    read_stack,
+    restore_bsdf_layer,
+    stack_file,
+)
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
@@ -185,6 +192,7 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "title": stack.title,
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
+        "tables": {name: table.describe() for name, table in stack.tables.items()},
         "extent": stack.extent,
         "own": {
             name: {**asdict(layer), "file": stack_file(name) if layer.file else None}
@@ -197,8 +205,11 @@ def restore_stack(document: dict[str, Any]) -> Stack:
     """Return the stack that `describe_stack` has described; its meshes are in the export."""
     quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
     own = {name: Layer(**entry) for name, entry in document["own"].items()}
-    layers = tuple(document["layers"])
-    return Stack(document["name"], document["title"], layers, quantity, document["extent"], own)
+    tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
+    return Stack(
+        document["name"], document["title"], tuple(document["layers"]), quantity,
+        document["extent"], own, tables,
+    )  # fmt: skip
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
@@ -281,9 +292,12 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
     file = job.stack.file
     source = job.stack.preset if file is None else job_file.parent / file
     try:
-        return read_stack(source, thickness=job.stack.thickness, overrides=overrides)
+        stack = read_stack(source, thickness=job.stack.thickness, overrides=overrides)
     except InputError as error:
         raise InputError(f"{job_file}: {error}") from None
+    if not stack.has_slot:
+        raise InputError(f"{job_file}: stack: {source}: has no film: a job needs one to make")
+    return stack
 
 
 def read_job_process(

@@ -149,7 +149,7 @@ def make_cad(
 
 
 def trace_mesh(
-    mesh: Path,
+    mesh: Path | None,
     stack: str,
     thickness: float | None,
     offset: float,
@@ -159,7 +159,7 @@ def trace_mesh(
     progress: Progress = SILENT,
     prism: Path | None = None,
 ) -> dict[str, Any]:
-    """Trace any closed film mesh in a stack; return the figures.
+    """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
     edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
@@ -175,10 +175,10 @@ def trace_mesh(
     from mpfcad.pipeline.resume import open_checkpoints
     from mpfcad.report import describe_luminance
 
-    if not mesh.is_file():
+    if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
-    progress.stage(f"tracing {mesh}")
+    progress.stage(f"tracing {mesh or stack}")
     backlight = read_stack(stack, thickness=thickness).with_prism(prism)
     lit = light_film(backlight, mesh, offset)
     with open_checkpoints(progress) as checkpoints:
@@ -186,5 +186,7 @@ def trace_mesh(
             seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
         )
         result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-    traced = {"file": mesh.name, "sha256": sha256(mesh), "stack": str(stack), "seed": seed}
+    film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
+    tables = [{"file": t.name, "sha256": t.sha256} for t in backlight.tables.values()]
+    traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -15,7 +15,7 @@ STYLE = {
     "top_sheet": 'fill="#efe6d8" stroke="#a08f70"',
 }
 #: What a plate or sheet of one's own is drawn like.
-OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet"}
+OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet"}
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
 SOFT = 'font-size="12" fill="#5a6570"'
@@ -52,6 +52,8 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     parts += _dimension((right, floor), (right, floor - CAVITY), f"{stack.thickness:g} mm")
     specular = stack["reflector_specular_fraction"] * 100
     note = f"reflectance {stack['reflector_reflectance']:g}, {specular:g} % of it specular"
+    if "reflector" in stack.tables:
+        note = f"by its BRDF table {stack.tables['reflector'].name}"
     parts += _label(floor + 4, "reflector", note)
     lamp = (
         f"{stack.lamp_count}, radius {stack['lamp_radius_mm']:g} mm, axis "
@@ -122,6 +124,8 @@ def _note(stack: Stack, layer: str) -> str:
 def _own_note(stack: Stack, layer: str) -> str:
     """Return the values of a layer's own in words."""
     kind = stack.own[layer].kind
+    if kind == "bsdf":
+        return stack.tables[layer].name
 
     def value(key: str) -> float:
         return stack[f"{layer}.{key}"]

@@ -63,6 +63,7 @@ def test_help_is_instant():
         "cad",
         "mould",
         "trace",
+        "bsdf",
         "measure",
         "verify",
         "design",
