@@ -11,6 +11,7 @@ from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS, film_passages
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.sampling import RNG_SIZE, start_path
 from mpfcad.optics.tile import build_tile
+from mpfcad.optics.tile_table import build_tile_table
 
 
 @njit(error_model="numpy", _nrt=False)
@@ -65,7 +66,7 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     start[:, 2], start[:, 3] = k * np.cos(angle), k * np.sin(angle)
     start[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
     alone = np.empty((count, 4))
-    pass_film(tile, 1.5, up, start, 3, alone)
+    pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
     place = np.zeros((count, 6))
     place[:, :2], place[:, 3:] = start[:, :2], start[:, 2:]
     rng = np.zeros((count, RNG_SIZE), np.uint64)
