@@ -1,15 +1,16 @@
 """CAD files of the whole panel, beside the obvious constructions of build123d and cadquery.
 
-    python benchmarks/cad.py [--quick] [--json]
+    python benchmarks/cad.py [--quick] [--json] [--cadquery PYTHON]
 
 Every measurement runs in a process of its own; seconds are CPU seconds of building and writing,
 after imports. A peer draws the film as it is usually drawn: one wire, one face, one extrusion. It
 is given twice as many grooves each time until it takes longer than the budget; ours is measured in
-between at the same number. Peers come from the extra `benchmark`; an absent one is named.
+between at the same number. build123d is there anyway; cadquery brings an OCCT of another version in
+the same Python package, so it has to be in an environment of its own, with mpfcad, whose
+interpreter `--cadquery` names. An absent peer is named.
 """
 
 import argparse
-import importlib.util
 import json
 import math
 import resource
@@ -63,6 +64,10 @@ def step_check(count, folder):
     return {"seconds": seconds, "valid": check.valid, "volume_error": check.volume_error}
 
 
+def stl_patterned(count, folder):
+    return stl(count, folder, None)
+
+
 def stl(count, folder, curvature=60.0):
     from mpfcad.cad import check_stl, write_stl
     from mpfcad.units import deg
@@ -76,7 +81,23 @@ def stl(count, folder, curvature=60.0):
         "seconds": seconds,
         "watertight": check.watertight,
         "secant_error_deg": check.secant_error_rms / deg,
+        "worst_groove_deg": check.secant_error_groove / deg,
     }
+
+
+def cells(side, folder):
+    from mpfcad.cad.cell_mesh import build_cell_mesh
+    from mpfcad.cad.cell_step import write_cell_step
+    from mpfcad.cad.stl import write_mesh
+    from mpfcad.film import CellFilm, Groove
+    from mpfcad.units import deg
+
+    film = CellFilm(Groove(0.050, 0.025), 0.2, "pyramid", "filled", 60.0, (side, side))
+    start = time.process_time()
+    write_mesh(build_cell_mesh(film, TOLERANCE_DEG * deg), folder / "film.stl", "film")
+    middle = time.process_time()
+    write_cell_step(film, folder / "film.step")
+    return {"STL": middle - start, "STEP": time.process_time() - middle}
 
 
 def outline(film):
@@ -130,13 +151,15 @@ def cadquery(count, folder):
     return {"seconds": time.process_time() - start}
 
 
-WORKERS = {f.__name__: f for f in (step, step_fused, step_check, stl, build123d, cadquery)}
-PEERS = ("build123d", "cadquery")
+WORKERS = {
+    f.__name__: f
+    for f in (step, step_fused, step_check, stl, stl_patterned, cells, build123d, cadquery)
+}
 
 
-def measure(name, count):
+def measure(name, count, python=sys.executable):
     """Run a worker in a process of its own; None when it fails or takes longer than `LIMIT`."""
-    command = [sys.executable, __file__, "--worker", name, str(count)]
+    command = [python, __file__, "--worker", name, str(count)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, check=False)
     except subprocess.TimeoutExpired:
@@ -164,13 +187,22 @@ def row(name, ours, unit, goal, met, peer=None):
     }
 
 
-def compare(peer, quick):
+def why_absent(peer, python):
+    """Return why a peer cannot be measured, or nothing when it can be imported."""
+    done = subprocess.run(
+        [python, "-c", f"import {peer}"], capture_output=True, text=True, check=False
+    )
+    return done.stderr.strip().rpartition("\n")[2][:60] if done.returncode else None
+
+
+def compare(peer, quick, python):
     """Return the row of the most grooves that a peer finishes within the budget."""
-    if importlib.util.find_spec(peer) is None:
-        return row(f"{peer}: absent (extra `benchmark`)", None, "s", ">= 8", None)
+    missing = why_absent(peer, python)
+    if missing:
+        return row(f"{peer}: absent: {missing}", None, "s", ">= 8", None)
     best, count = None, 8
     while count <= PANEL:
-        theirs, ours = measure(peer, count), measure("step_fused", count)
+        theirs, ours = measure(peer, count, python), measure("step_fused", count)
         if theirs is None or ours is None:
             break
         best = (count, ours["seconds"], theirs["seconds"])
@@ -184,7 +216,26 @@ def compare(peer, quick):
     return row(name, ours, "s", ">= 8", theirs >= 8 * ours, theirs)
 
 
-def benchmark(quick):
+def slope_rows(mesh, what):
+    """Return time and slopes of a panel's STL."""
+    fine = mesh["seconds"] <= 2 and mesh["watertight"]
+    rows = [row(f"panel STL at 0.5°, {what}, watertight", mesh["seconds"], "s", "<= 2", fine)]
+    errors = (("all", mesh["secant_error_deg"]), ("worst groove", mesh["worst_groove_deg"]))
+    for where, error in errors:
+        name = f"panel STL, {what}: slopes to secants, rms, {where}"
+        rows.append(row(name, error, "deg", "<= 0.001", error <= 0.001))
+    return rows
+
+
+def cell_rows(found):
+    """Return the times of 10⁴ pyramids."""
+    return [
+        row(f"10⁴ pyramids, {kind}", found[kind], "s", "<= 10", found[kind] <= 10)
+        for kind in ("STL", "STEP")
+    ]
+
+
+def benchmark(quick, cadquery_python):
     quarter, whole = measure("step", PANEL // 4), measure("step", PANEL)
     slope = math.log(whole["seconds"] / quarter["seconds"]) / math.log(4)
     rows = [
@@ -193,13 +244,11 @@ def benchmark(quick):
         row("panel STEP, memory", whole["gigabytes"], "GB", "<= 3", whole["gigabytes"] <= 3),
         row("panel STEP, exponent of N", slope, "", "<= 1.1", slope <= 1.1),
     ]
-    rows += [compare(peer, quick) for peer in PEERS]
-    mesh = measure("stl", PANEL)
-    error = mesh["secant_error_deg"]
-    fine = mesh["seconds"] <= 2 and mesh["watertight"]
-    rows.append(row("panel STL at 0.5°, C = 60, watertight", mesh["seconds"], "s", "<= 2", fine))
-    name = "panel STL: slopes against secants, rms"
-    rows.append(row(name, error, "deg", "<= 0.001", error <= 0.001))
+    pythons = {"build123d": sys.executable, "cadquery": cadquery_python}
+    rows += [compare(peer, quick, python) for peer, python in pythons.items()]
+    for worker, what in (("stl", "C = 60"), ("stl_patterned", "C = 41 … 79")):
+        rows += slope_rows(measure(worker, PANEL), what)
+    rows += cell_rows(measure("cells", 100))
     count = PANEL // 16 if quick else PANEL
     check, limit = measure("step_check", count), 40 * count / PANEL
     name = f"STEP of {count} grooves read again and checked"
@@ -224,12 +273,15 @@ def main():
     parser = argparse.ArgumentParser(description="CAD files against their goals and peers.")
     parser.add_argument("--quick", action="store_true", help="under a minute")
     parser.add_argument("--json", action="store_true", help="one list of rows")
+    parser.add_argument(
+        "--cadquery", metavar="PYTHON", default=sys.executable, help="interpreter with cadquery"
+    )
     parser.add_argument("--worker", nargs=2, metavar=("NAME", "N"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.worker:
         work(options.worker[0], int(options.worker[1]))
         return
-    rows = benchmark(options.quick)
+    rows = benchmark(options.quick, options.cadquery)
     if options.json:
         print(json.dumps(rows))
     else:

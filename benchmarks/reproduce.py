@@ -4,7 +4,7 @@
 presets `thesis-32in-*` and the fitted ones, `thesis-fitted-*`, writes `thesis/results.json` and of
 it, of `thesis/fit.json` (see fit_stack.py) and `thesis/published.toml` the page and its picture.
 Finished traces are kept in `exports/reproduction/`: a run that was stopped goes on where it was.
-About 15 CPU-minutes; `--quick` 4, with wider intervals; `--page` traces nothing.
+About 6 CPU-minutes; `--quick` 3, with wider intervals; `--page` traces nothing.
 """
 
 import argparse
@@ -25,7 +25,7 @@ RESULTS = HERE / "results.json"
 PAGE = ROOT / "docs" / "reproduction.md"
 SETS = ("thesis-32in", "thesis-fitted")
 #: Half-width of the contrast's interval, and the most paths.
-EFFORT, QUICK = (0.002, 8_000_000), (0.004, 1_500_000)
+EFFORT, QUICK = (0.002, 4_000_000), (0.004, 1_500_000)
 JOB = ROOT / "masks" / "patterned-16mm.toml"
 
 

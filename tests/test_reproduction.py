@@ -87,6 +87,17 @@ def test_the_fit_recovers_the_values_that_made_the_figures():
     assert np.all(np.abs(fit.data_interval[3]) >= 1.25)
 
 
+def test_an_anchored_surface_meets_its_readings_in_luminance_alone():
+    code, curvature, reading = synthetic_trials(0.0, 0.01, SLOPE, 1e-5, 3)
+    surface = fit_surface(code, curvature, reading, 1e-5)
+    there, seen = np.full((4, 4), 0.5), np.full((4, 5), 0.3)
+    moved = surface.anchored(there, np.full(4, 60.0), seen)
+    assert moved(there[0], 60.0)[0] == pytest.approx(0.3, abs=1e-12)
+    before, after = surface(-there[0], 60.0), moved(-there[0], 60.0)
+    shift = 0.3 - surface(there[0], 60.0)[0]
+    assert after == pytest.approx(before + shift * np.eye(5)[0], abs=1e-12)
+
+
 def test_a_limit_pulls_only_from_its_wrong_side():
     limit = target("film", "contrast", 0.02, "at_most")
     assert limit.residual(0.01, 0.0) == 0
@@ -127,7 +138,7 @@ def test_the_trials_stand_about_the_presets_and_the_fit_is_in_its_own():
     found = {row["name"]: row for row in shipped("fit.json")["values"]}
     for factor in FACTORS:
         assert factor.centre == centre[factor.name]
-        assert fitted[factor.name] == float(f"{found[factor.name]['fitted']:.3g}")
+        assert fitted[factor.name] == float(f"{found[factor.name]['fitted']:.4g}")
 
 
 def test_the_page_is_what_its_results_make():

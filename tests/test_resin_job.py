@@ -1,11 +1,15 @@
 """The `[resin]` table of a job, and where a stack's meshes go in an export."""
 
+import json
+import shutil
+
 import pytest
 from harness import BARE, film_file
 
 from mpfcad.backlight import PRISM_FILE, stack_file
-from mpfcad.errors import InputError
-from mpfcad.job import build_job
+from mpfcad.errors import ExportError, InputError
+from mpfcad.job import build_job, read_job
+from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
 from mpfcad.pipeline.plan import describe_stack, read_plan, restore_stack
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.stack_mesh import write_stack_meshes
@@ -70,3 +74,59 @@ def test_an_ideal_film_has_no_resin(tmp_path):
     plan = read_plan(build_job(given, "a.toml"), tmp_path / "a.toml")
     with pytest.raises(InputError, match="ideal"):
         write_stack_meshes(plan, tmp_path, SILENT)
+
+
+SMALL = """
+extends = "thesis-32in-mpf"
+extent = "panel"
+layers = [
+    "clear_plate", "film",
+    { kind = "film", name = "upper", file = "bef.stl", rotation_deg = 90 },
+    { kind = "bef", flipped = true }, "top_sheet",
+]
+[value]
+panel_width_mm = 40.0
+panel_length_mm = 50.0
+lamp_count = 5
+lamp_pitch_mm = 8.0
+lamp_2_luminance_factor = 0.5
+"""
+JOB = """
+name = "small"
+[map]
+curvature_per_mm = 40.0
+[stack]
+file = "own.toml"
+[stack.override]
+"upper.rotation_deg" = 85.0
+[resin]
+particle_radius_um = 5.0
+particle_index = 1.45
+particle_density_per_mm3 = 1e5
+"""
+
+
+def test_such_a_job_runs_and_is_verified_from_its_export_alone(tmp_path, monkeypatch):
+    setting = TraceSetting(half_width_goal=1.0, path_limit=20_000)
+    monkeypatch.setitem(TRACE_SETTINGS, "quick", setting)
+    given = tmp_path / "given"
+    given.mkdir()
+    film_file(given / "bef.stl", [BARE])
+    (given / "own.toml").write_text(SMALL, encoding="utf-8")
+    (given / "small.toml").write_text(JOB, encoding="utf-8")
+    out = tmp_path / "out"
+    record = run_job(read_job(given / "small.toml"), given / "small.toml", out, effort="quick")
+    assert {PRISM_FILE, stack_file("upper")} <= set(record["provenance"]["sha256"])
+    inputs = {e["name"]: e["value"] for e in record["inputs"]}
+    assert inputs["stack.resin_particle_radius_um"] == 5.0
+    assert inputs["stack.upper.rotation_deg"] == 85.0
+    assert inputs["stack.lamp_2_luminance_factor"] == 0.5
+    energy = record["energy"]
+    assert energy["lost"] == 0 and {"walls", "rim"} <= set(energy["absorbed_by"])
+    report = (out / "report.html").read_text("utf-8")
+    assert "resin scatters" in report and "turned 85°" in report
+    shutil.rmtree(given)
+    assert verify_export(out) == json.loads((out / "verification.json").read_text("utf-8"))
+    (out / PRISM_FILE).write_bytes(b"x")
+    with pytest.raises(ExportError, match=PRISM_FILE):
+        verify_export(out)

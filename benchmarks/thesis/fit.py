@@ -63,8 +63,8 @@ class StackFit:
     singular, direction
         (m,) and (m, k): singular values of the weighted Jacobian and their combinations of codes.
         A combination of singular value s is known to 1/s steps
-    residual
-        (t,) of each target
+    residual, error
+        (t,) of each target: off in standard deviations; standard error of ours from the surfaces
     """
 
     code: NDArray[np.float64]
@@ -73,6 +73,7 @@ class StackFit:
     singular: NDArray[np.float64]
     direction: NDArray[np.float64]
     residual: NDArray[np.float64]
+    error: NDArray[np.float64]
 
     @property
     def held(self) -> NDArray[np.float64]:
@@ -142,7 +143,7 @@ def fit_values(
     jacobian = np.array([(data(best + s) - data(best - s)) / 0.04 for s in step]).T
     _, singular, direction = np.linalg.svd(jacobian, full_matrices=False)
     return StackFit(
-        best, profile(best, 1.0), profile(data_best, faint), singular, direction, data(best)
+        best, profile(best, 1.0), profile(data_best, faint), singular, direction, data(best), error
     )
 
 

@@ -22,7 +22,8 @@ Monte-Carlo noise alone. Two sets of assumed values are shown: `thesis-32in-*`, 
 `thesis-fitted-*`, the set that this page's fit finds.
 
 `agrees`: the published figure lies in our interval widened by its rounding. `near`: within 0.003 of
-contrast, 1 % of luminance or 5 /mm. `differs`: neither.
+contrast, 1 % of luminance or 5 /mm. `differs`: neither. `open`: the interval lies on both sides of
+a published limit.
 """
 
 
@@ -36,6 +37,7 @@ def page(results: dict, fit: dict, picture: str) -> str:
         f"![Contrast and luminance against curvature]({picture})\n",
         "Lines: response surfaces of the fit with their 95 % bands; points: single traces.\n",
         "## What one set of values has to give\n",
+        "Met where the value keeps the limit; the minimum is read off the response surface.\n",
         demands(figures, SETS),
         _trade(figures),
         "## The film itself\n",
@@ -84,7 +86,7 @@ def _fit(fit: dict) -> str:
         ]
         rows.append(
             [f"`{row['name']}`", f"{row['centre']:.4g}",
-             f"{row['low_step']:.3g}, {row['high_step']:.3g}", f"{row['fitted']:.3g}",
+             f"{row['low_step']:.3g}, {row['high_step']:.3g}", f"{row['fitted']:.4g}",
              " … ".join(ends), " … ".join(alone), f"{100 * row['held']:.0f} %"]
         )  # fmt: skip
     values = table(
@@ -96,6 +98,15 @@ def _fit(fit: dict) -> str:
         for d in fit["directions"]
     )
     count = len(FACTORS) - len(fit["directions"])
+    signs = {"equal": "", "at_most": "≤ ", "at_least": "≥ "}
+    aims = table(
+        ["figure", "published", "`thesis-32in`", "fitted", "standard error", "fitted is off by"],
+        [
+            [row["name"], f"{signs[row['kind']]}{row['published']:.4f}", f"{row['at_centre']:.4f}",
+             f"{row['fitted']:.4f}", f"{row['standard_error']:.4f}", f"{row['residual']:+.1f} σ"]
+            for row in fit["targets"]
+        ],
+    )  # fmt: skip
     return f"""{fit["trials"]} stacks, all values moved at once by a step up or down (Plackett and
 Burman's design and its mirror image) or none; 12 films in each; {fit["paths_a_trace"]:,} paths a
 trace. Log luminance and four harmonics of each film follow the values by a linear surface; contrast
@@ -109,6 +120,9 @@ from 6875 cd/m².
 the ±{fit["reach"]:g} steps that the surfaces reach. *Held*: share of the prior's variance
 that the data take away.
 
+What it aims at, read off the surfaces (luminance relative to conventional; σ holds the allowance):
+
+{aims}
 Combinations that the data hold, best first; the other {count} are free, so many sets do as well:
 
 {directions}
@@ -136,7 +150,42 @@ def _sensitivity(fit: dict) -> str:
     return f"""Change × 1000 of each figure for one step up of each value about the presets'
 values; bold: more than two standard errors.
 
-{table(head, rows)}"""
+{table(head, rows)}
+To bring the presets' figure to the published one by a single value:
+
+{_remedies(fit, found)}
+{_turns(fit)}"""
+
+
+def _remedies(fit: dict, found: dict) -> str:
+    """Return for each figure that is off the three values that would mend it with least ado."""
+    lines = []
+    for row in fit["targets"]:
+        wanted = row["published"] - row["at_centre"]
+        if row["kind"] != "equal" or abs(row["residual_at_centre"]) < 1:
+            continue
+        steps = sorted(
+            ((wanted / found[row["name"], f.name]["change"], f.name) for f in FACTORS),
+            key=lambda item: abs(item[0]),
+        )
+        mended = ", ".join(f"`{name}` {count:+.1f} steps" for count, name in steps[:3])
+        ours = f"{row['at_centre']:.4f}, published {row['published']:.4f}"
+        lines.append(f"* {row['name']} ({ours}): {mended}")
+    return "\n".join(lines) + "\n"
+
+
+def _turns(fit: dict) -> str:
+    """Return what moves the fall of luminance with curvature."""
+    lines = []
+    for row in fit["turns"]:
+        high, low = row["curvatures_per_mm"]
+        film = {"mpf": "MPF", "plate": "MPF-Plate"}[row["family"]]
+        lines.append(
+            f"* {film}, L({high:g})/L({low:g}): {row['at_centre']:.4f} and {row['fitted']:.4f}; "
+            f"`{row['moved_most_by']}` moves it most, by {row['change']:+.4f} a step"
+        )
+    head = "Where luminance begins to fall hardly hangs on the stack's values (presets', fitted):"
+    return head + "\n\n" + "\n".join(lines) + "\n"
 
 
 def _step(factor) -> str:
@@ -147,8 +196,8 @@ _LEFT = """
 ## Not reproduced
 
 * Printed films darker than conventional, and darker the more they are filled beyond what the shape
-  does: the thesis blames particles in the resin (10⁵ /mm³). Ours have clear resin.
-* Patterned films below 16 mm: [stack.md](stack.md) has the stack, and the design of their maps has
-  a page of its own where it is done.
+  does: the thesis blames particles in the resin (10⁵ /mm³). Ours here have clear resin: particles
+  can be given ([stack.md](stack.md)), but the thesis's text leaves out their radius and index.
+* Patterned films below 16 mm: `mpfcad design` finds their maps.
 * The thesis's measured scattering tables are lost; sheets, plate and reflector are models here.
 """

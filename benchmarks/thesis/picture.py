@@ -9,6 +9,8 @@ _WIDTH, _HEIGHT = 860, 400
 _LEFT, _TOP, _WIDE, _TALL = (58, 492), 46, 350, 270
 _LOW, _HIGH = 48.0, 83.0
 _COLOUR = {"thesis-32in": "#1c5f9e", "thesis-fitted": "#b4541a"}
+#: The sets' points stand side by side [1/mm].
+_ASIDE = {"thesis-32in": -0.2, "thesis-fitted": 0.2}
 _DASH = {"mpf": "", "plate": ' stroke-dasharray="6 4"'}
 _FAMILY = {"mpf": "mpf ideal", "plate": "mpf-plate ideal"}
 _INK, _SOFT = 'fill="#1d232a" font-size="13"', 'fill="#5a6570" font-size="12"'
@@ -20,13 +22,13 @@ def draw_curvature(results: dict, fit: dict) -> str:
     sets = {name: Figures(results, fit, name) for name in _COLOUR}
     parts = [rectangle(0, 0, _WIDTH, _HEIGHT, 'fill="#ffffff"')]
     left = _Panel(_LEFT[0], 0.0, 0.032, 0.004, 3)
-    right = _Panel(_LEFT[1], 0.97, 1.08, 0.02, 2)
+    right = _Panel(_LEFT[1], 1.01, 1.07, 0.01, 2)
     parts += left.frame("lamp-Mura contrast, ideal profile")
     parts += right.frame("mean luminance / conventional")
     limit = left.y(0.012)
     parts.append(line(left.x(57), limit, left.x(81), limit, 'stroke="#1d232a" stroke-width="5"'))
     label = "published: at most 0.012 in 57 … 81 /mm"
-    parts.append(text(left.x(81), limit - 8, label, _SOFT + _END))
+    parts.append(text(left.x(49), left.y(0.0302), "bar: " + label, _SOFT))
     for curvature, value in ((60, 7243 / 6875), (60, 7070 / 6875)):
         x, y = right.x(curvature), right.y(value)
         parts.append(polygon([(x - 6, y), (x, y - 6), (x + 6, y), (x, y + 6)], 'fill="#1d232a"'))
@@ -94,7 +96,7 @@ class _Panel:
         parts, colour = [], _COLOUR[name]
         for case in figures.case:
             if case.startswith(_FAMILY[family] + " "):
-                x = self.x(float(case.split()[-1]))
+                x = self.x(float(case.split()[-1]) + _ASIDE[name])
                 found = read(case)
                 low, high = self.y(found.low), self.y(found.high)
                 parts.append(line(x, low, x, high, f'stroke="{colour}"'))

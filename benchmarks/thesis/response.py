@@ -4,7 +4,7 @@ Harmonics are smooth in the values where the contrast, a maximum less a minimum,
 regression over all trials averages the noise that each trace has.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,16 +58,31 @@ class Surface:
         """Return (log mean, amplitudes) at codes (k,) and a curvature, (5,)."""
         return _terms(code[None], np.array([curvature]), self.degree)[0] @ self.coefficient
 
+    def anchored(
+        self,
+        code: NDArray[np.float64],
+        curvature: NDArray[np.float64],
+        reading: NDArray[np.float64],
+    ) -> "Surface":
+        """Return the surface with its log luminance moved to pass through readings at one place.
+
+        Arrays as in `fit_surface`; the move is a polynomial in curvature of the surface's degree.
+        Luminance bends by more than its noise; the harmonics do not, and the regression over all
+        trials knows them better than a few traces at one place do.
+        """
+        left = (reading - _terms(code, curvature, self.degree) @ self.coefficient)[:, 0]
+        power = _powers(curvature, self.degree)
+        moved = self.coefficient.copy()
+        moved[: self.degree + 1, 0] += np.linalg.lstsq(power, left, rcond=None)[0]
+        return replace(self, coefficient=moved)
+
     def draws(self, count: int, seed: int) -> list["Surface"]:
         """Return surfaces drawn with the regression's uncertainty."""
         rng = np.random.Generator(np.random.Philox(seed))
         root = np.linalg.cholesky(self.covariance)
         shape = (count, *self.coefficient.shape)
         noise = root @ rng.standard_normal(shape) * np.sqrt(self.variance)
-        return [
-            Surface(self.degree, self.coefficient + n, self.covariance, self.variance, self.misfit)
-            for n in noise
-        ]
+        return [replace(self, coefficient=self.coefficient + n) for n in noise]
 
 
 def fit_surface(
@@ -102,9 +117,12 @@ def _terms(code: NDArray, curvature: NDArray, degree: int) -> NDArray[np.float64
     Codes multiply every power of the curvature but the highest. The bow is the mean square code:
     two levels a factor cannot say which of the factors bends.
     """
-    c = (curvature[:, None] - 65) / 15
-    power = c ** np.arange(degree + 1)
+    power = _powers(curvature, degree)
     columns = [power]
-    columns += [code * c**n for n in range(max(1, degree))]
+    columns += [code * power[:, [n]] for n in range(max(1, degree))]
     columns.append((code**2).mean(1, keepdims=True))
     return np.concatenate(columns, axis=1)
+
+
+def _powers(curvature: NDArray, degree: int) -> NDArray[np.float64]:
+    return ((curvature[:, None] - 65) / 15) ** np.arange(degree + 1)

@@ -17,7 +17,7 @@ from mpfcad.cad.step_check import StepCheck, check_one_body
 from mpfcad.film import CellFilm
 
 #: Largest relative error of the volume of a mesh (dishes at 5°: 6e-4 by their chords), of a solid.
-VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-3, 2e-9
+VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-3, 1e-9
 
 
 def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCheck:
@@ -52,6 +52,7 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
         float(error),
         VOLUME_TOLERANCE,
         float(np.sqrt(np.mean(angle**2))),
+        None,
         None,
         float(angle[worst]),
         float(allowed[worst]),

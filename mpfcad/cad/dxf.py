@@ -45,7 +45,9 @@ def write_dxf(section: Section, path: Path, angle_tolerance: float) -> None:
         x, z, _ = build_outline(section, angle_tolerance)
         corners = np.column_stack([x, z]).astype(float)
         under = [(section.width, section.underside), (0.0, section.underside)]
-        space.add_lwpolyline([*corners, *under], close=True, dxfattribs={"layer": "POLYLINE"})
+        polyline = space.add_lwpolyline([], close=True, dxfattribs={"layer": "POLYLINE"})
+        # All at once: x, y, two widths, bulge. Corner by corner takes the square of their number.
+        polyline.lwpoints.set(np.pad(np.concatenate([corners, under]), ((0, 0), (0, 3))))
         document.saveas(part)
         part.replace(path)
     finally:

@@ -25,6 +25,8 @@ class MeshCheck:
     secant_error_rms
         rms angle [rad] between a facet and the secant of the film's surface between its two ends;
         None where the surface bends in both directions
+    secant_error_groove
+        the same of the groove where it is largest; None of measured surfaces and of cells
     normal_error_max, normal_error_limit
         angle [rad] between a facet and the film's surface at the facet's two ends, and what it may
         be there, of the facet that comes nearest to its limit
@@ -42,6 +44,7 @@ class MeshCheck:
     volume_limit: float
     normal_error_rms: float
     secant_error_rms: float | None
+    secant_error_groove: float | None
     normal_error_max: float
     normal_error_limit: float
     height_error_max: float

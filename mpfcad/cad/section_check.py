@@ -19,7 +19,7 @@ from mpfcad.film import PrismFilm, Section
 from mpfcad.film.section import ARC
 
 #: Largest relative error of the volume of a mesh, and of a solid.
-VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 2e-9
+VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 1e-9
 
 
 def check_section_stl(
@@ -69,6 +69,7 @@ def check_section_stl(
         VOLUME_TOLERANCE,
         _rms(at_middle),
         _rms(secant),
+        None,
         float(ends[worst]),
         float(allowed[worst]),
         height,

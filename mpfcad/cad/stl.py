@@ -10,6 +10,9 @@ from mpfcad.film import PrismFilm
 #: One facet of a binary STL file, 50 bytes.
 FACET = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("attribute", "<u2")])
 
+#: Facets made at a time: they stay in the processor's cache.
+CHUNK = 16_384
+
 
 def write_stl(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str = "film") -> None:
     """Write the film, prism and resin as one body, with facets within `angle_tolerance` [rad].
@@ -44,9 +47,14 @@ def write_mesh(mesh: Mesh, path: Path, name: str) -> None:
 def _facets(mesh: Mesh) -> np.ndarray:
     """Return the mesh as (t,) facets, normals taken from the rounded corners."""
     facets = np.zeros(len(mesh.triangles), FACET)
-    facets["corner"] = mesh.vertices[mesh.triangles]
-    corner = facets["corner"].astype(np.float64)
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    # "+ 0.0" turns -0 into 0.
-    facets["normal"] = normal / np.linalg.norm(normal, axis=1, keepdims=True) + 0.0
+    for first in range(0, len(facets), CHUNK):
+        part = slice(first, first + CHUNK)
+        corner = mesh.vertices[mesh.triangles[part]]
+        facets["corner"][part] = corner
+        a, b, c = np.moveaxis(facets["corner"][part].astype(np.float64), (1, 2), (0, 1))
+        (px, py, pz), (qx, qy, qz) = b - a, c - a
+        normal = np.stack([py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx], axis=1)
+        # "+ 0.0" turns -0 into 0.
+        size = np.sqrt(np.einsum("ij,ij->i", normal, normal))
+        facets["normal"][part] = normal / size[:, None] + 0.0
     return facets

@@ -54,14 +54,17 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     stretch = np.spacing(np.float32(film.width)) / film.groove.half_width
     off = float(np.max(np.abs(curvature - drawn) - stretch * drawn))
     refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
-    secant = float(np.sqrt(np.mean(facets.secant_error() ** 2)))
+    square = facets.secant_error() ** 2
+    number = np.bincount(facets.groove, minlength=film.groove_count)
+    by_groove = np.bincount(facets.groove, square, film.groove_count) / np.maximum(number, 1)
     volume_error = float(volume_error)
     return MeshCheck(
         True,
         volume_error,
         VOLUME_TOLERANCE,
         rms,
-        secant,
+        float(np.sqrt(np.mean(square))),
+        float(np.sqrt(by_groove.max())),
         largest,
         angle_tolerance,
         height,

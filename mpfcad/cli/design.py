@@ -32,4 +32,7 @@ def command(
     print(f"{job_file}\n{folder / 'design.html'}")
     if not verify:
         return 0
-    return run.command(job_file, folder.with_name(design.name), effort, threads)
+    verified = folder.with_name(design.name)
+    if verified == folder:
+        verified = folder.with_name(f"{design.name}-run")
+    return run.command(job_file, verified, effort, threads)

@@ -24,8 +24,14 @@ def command(
         float, typer.Option("--offset-mm", metavar="MM", help="FILE.stl's left edge from a lamp.")
     ] = 0.0,
     what: Annotated[
-        str, typer.Option("--what", metavar="A,B,…", help="What to measure, of the default.")
-    ] = "contrast,angular,conoscope,flux,uniformity,camera",
+        str | None,
+        typer.Option(
+            "--what",
+            metavar="A,B,…",
+            help="Of contrast, angular, conoscope, flux, uniformity, camera, panel [default: all "
+            "that the stack has].",
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the traces.")] = 1,
     effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
         Effort.standard
@@ -40,14 +46,21 @@ def command(
     """Measure contrast, viewing angles, conoscope, flux, uniformity and camera image of a film."""
     from mpfcad.cli.option import formats
     from mpfcad.cli.terminal import Terminal, print_measurement
-    from mpfcad.pipeline import WHAT, Measuring, default_measure_out, measure_film, read_case
+    from mpfcad.pipeline import (
+        WHAT,
+        Measuring,
+        default_measure_out,
+        default_what,
+        measure_film,
+        read_case,
+    )
 
-    chosen = formats(what, WHAT, "--what")
+    chosen = formats(what, WHAT, "--what") if what else None
     with Terminal() as terminal:
         terminal.stage(f"reading {source}")
         case = read_case(source, stack, thickness_mm, offset_mm)
         folder = out or default_measure_out(case)
         measuring = Measuring(seed, effort.value, threads)
-        record = measure_film(case, chosen, folder, measuring, terminal)
+        record = measure_film(case, chosen or default_what(case), folder, measuring, terminal)
     print_measurement(record, folder, as_json=json)
     return 0

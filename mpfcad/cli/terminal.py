@@ -94,14 +94,15 @@ class Terminal:
 
 def trace_note(state: "TraceState", seconds: float) -> str:
     """Return how far a trace is in words, with the time left at the rate of the last `seconds`."""
-    note = f"{state.paths / 1e6:.1f} of {state.expected / 1e6:.1f} million paths"
-    if state.error == state.error:
-        note += f", {state.figure.format(state.error)}"
+    parts = []
     done, left = state.paths - state.start, state.expected - state.paths
-    if left and done and state.error == state.error:
-        rest = round(seconds * left / done)
-        note += f", about {rest // 60}:{rest % 60:02d} left"
-    return note
+    if state.error == state.error:
+        if left and done:
+            rest = round(seconds * left / done)
+            parts.append(f"{rest // 60}:{rest % 60:02d} left")
+        parts.append(state.figure.format(state.error))
+    parts.append(f"{state.paths / 1e6:.1f} of {state.expected / 1e6:.1f} million paths")
+    return ", ".join(parts)
 
 
 def _live_bar() -> Any:
@@ -111,7 +112,7 @@ def _live_bar() -> Any:
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=24),
+        BarColumn(bar_width=12),
         TextColumn("{task.fields[note]}", markup=False),
     )
     return Progress(*columns, console=Console(stderr=True), transient=True)

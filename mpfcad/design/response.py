@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.design.grid import Grid
+from mpfcad.errors import TraceError
 
 #: Harmonics of the lamp pitch in a luminance of the model; what is beyond is noise of the traces.
 HARMONICS = 6
@@ -114,7 +115,7 @@ class Response:
         matrix = LinearOperator((size, size), matvec=left, dtype=float)
         right = after_film(self.operators.radiance)
         v, failed = gmres(matrix, right, x0=start, rtol=1e-7, restart=60, maxiter=20)
-        assert failed == 0
+        _check_solved(failed)
         return v
 
     @cached_property
@@ -187,9 +188,14 @@ class Response:
         right = self._transposed @ self._by_side(first)
         matrix = LinearOperator((size, size), matvec=lambda p: p - through(p), dtype=float)
         p, failed = gmres(matrix, right, rtol=1e-6, restart=60, maxiter=20)
-        assert failed == 0
+        _check_solved(failed)
         return self._by_cell(p)
 
     @cached_property
     def _transposed(self):
         return self.operators.world.T.tocsr()
+
+
+def _check_solved(failed: int) -> None:
+    if failed:
+        raise TraceError(f"two-scale model: no solution after {failed} iterations")

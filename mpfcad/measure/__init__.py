@@ -2,8 +2,8 @@
 
 `light_film` reads a film mesh from disk and puts it into a stack. The measures trace it in rounds
 until their figures are known well enough: `luminance_over_pitch` with the lamp-Mura contrast,
-`angular_luminance`, `conoscope`, `output_flux`, `screen_uniformity`, `camera_image`. An interrupted
-trace goes on from its checkpoint.
+`angular_luminance`, `conoscope`, `output_flux`, `screen_uniformity`, `camera_image`,
+`panel_luminance`. An interrupted trace goes on from its checkpoint.
 """
 
 from mpfcad.measure.angular import AngularCurve, AngularResult, angular_luminance
@@ -14,6 +14,7 @@ from mpfcad.measure.contrast import Estimate, contrast_of_harmonics, fit_harmoni
 from mpfcad.measure.flux import FluxResult, output_flux
 from mpfcad.measure.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
+from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
 from mpfcad.measure.uniformity import UniformityResult, screen_uniformity
 
@@ -28,12 +29,14 @@ __all__ = [
     "FluxResult",
     "Lit",
     "LuminanceResult",
+    "PanelResult",
     "TraceRun",
     "TraceState",
     "UniformityResult",
     "angular_luminance",
     "camera_image",
     "case_hash",
+    "check_finite",
     "conoscope",
     "contrast_of_harmonics",
     "fit_harmonics",
@@ -41,6 +44,7 @@ __all__ = [
     "light_film",
     "luminance_over_pitch",
     "output_flux",
+    "panel_luminance",
     "relative_spread",
     "screen_uniformity",
 ]

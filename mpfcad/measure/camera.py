@@ -1,7 +1,7 @@
 """What a camera far away sees of the screen's middle: traced pixels, nothing smoothed.
 
-Lamps, and films extruded along them, do not change along y in the model without a rim: a line of
-the picture along the lamps is one traced value.
+Where everything repeats without end, nothing changes along the lamps: a line of the picture along
+them is one traced value. On a finite panel it is 20 traced values of 10 mm each.
 """
 
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from mpfcad.measure.uniformity import middle
 #: Edge [mm] of the square that is seen (Hsieh, MPF thesis: 20 cm × 20 cm), and its pixels.
 EDGE = 200.0
 PIXELS = 200
+_PARTS = 20
 _FIGURE = "pixel ± {:.4f} of the mean"
 
 
@@ -25,7 +26,7 @@ class CameraResult:
     Attributes
     ----------
     luminance, standard_error
-        (200,) float64 [cd/m²], one value for each line of pixels along the lamps
+        (200, k) float64 [cd/m²]: lines of pixels along the lamps in k equal parts
     pixel
         edge of a pixel [mm]
     paths
@@ -40,7 +41,7 @@ class CameraResult:
     @property
     def picture(self) -> NDArray[np.float64]:
         """The picture, (200, 200) float64 [cd/m²]: rows across the lamps, columns along them."""
-        return np.repeat(self.luminance[:, None], PIXELS, axis=1)
+        return np.repeat(self.luminance, PIXELS // self.luminance.shape[1], axis=1)
 
 
 def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
@@ -48,8 +49,17 @@ def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
     from mpfcad.optics.engine import EYE, Source
 
     pixel = EDGE / PIXELS
+    parts = _PARTS if lit.is_finite else 1
     position = middle(lit) + (np.arange(PIXELS) + 0.5) * pixel - EDGE / 2
-    source = Source(EYE, position, pixel, acceptance=lit.stack.acceptance)
+    along = ((np.arange(parts) + 0.5) / parts - 0.5) * EDGE
+    source = Source(
+        EYE,
+        np.repeat(position, parts),
+        pixel,
+        acceptance=lit.stack.acceptance,
+        along=np.tile(along, PIXELS) if lit.is_finite else 0.0,
+        spot_along=EDGE / parts if lit.is_finite else 0.0,
+    )
     tally = trace_rounds(
         lit,
         source,
@@ -58,4 +68,5 @@ def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
         error_goal,
         _FIGURE,
     )
-    return CameraResult(tally.radiance, tally.radiance_error, pixel, tally.total_paths)
+    value, error = (v.reshape(PIXELS, parts) for v in (tally.radiance, tally.radiance_error))
+    return CameraResult(value, error, pixel, tally.total_paths)

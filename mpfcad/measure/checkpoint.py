@@ -47,6 +47,23 @@ def case_hash(case: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def array_hash(values: Any) -> str:
+    """Return the SHA-256 of arrays and numbers in nested tuples: all that the kernels read."""
+    digest = hashlib.sha256()
+
+    def add(value: Any) -> None:
+        if isinstance(value, tuple):
+            digest.update(f"({len(value)}".encode())
+            for part in value:
+                add(part)
+        else:
+            array = np.asarray(value)
+            digest.update(f"{array.dtype}{array.shape}".encode() + array.tobytes())
+
+    add(values)
+    return digest.hexdigest()
+
+
 class Checkpoints:
     """The checkpoints of one piece of work, in a folder; None keeps nothing.
 

@@ -172,6 +172,10 @@ def _unbiased(
         return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
 
     value, low, high = (contrast_where(q) for q in (0.5, 1 - _TAIL, _TAIL))
+    # A curve read flatter than nearly all draws of a flat one would get the interval [0, 0],
+    # however few its paths: it gets that of a typical flat one.
+    if high < spread:
+        high = 2 * 1.959963984540054 * spread
     return Estimate(value, low, high, (high - low) / (2 * 1.959963984540054))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from mpfcad.measure.contrast import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.uniformity import middle
 
 _FORWARD = "efficiency ± {:.5f} of itself"
 _BACKWARD = "exitance ± {:.5f} of itself"
@@ -23,7 +24,7 @@ class FluxResult:
         [lm/m²] of the screen: efficiency times the lamps' emission over the screen's area; and from
         the luminances seen over the whole hemisphere, traced backward
     flux
-        [lm] of the panel, without losses at its rim
+        [lm] of the panel; with losses at its rim where the panel is finite
     paths
         both ways
     """
@@ -58,33 +59,48 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
     )
     efficiency = Estimate.normal(float(forward.fraction[up]), float(forward.fraction_error[up]))
     # A meter of acceptance sine 1: kx, ky uniform over the unit disk, as Lambertian light arrives.
-    pitch = lit.stack.lamp_pitch
+    stack = lit.stack
+    place = (np.array([stack.lamp_pitch / 2]), stack.lamp_pitch)
+    if lit.is_finite:
+        place = (np.array([middle(lit)]), stack.panel_width)
     backward = trace_rounds(
         lit,
-        Source(EYE, np.array([pitch / 2]), pitch, acceptance=1.0),
+        Source(
+            EYE, *place, acceptance=1.0, spot_along=stack.panel_length if lit.is_finite else 0.0
+        ),
         run,
         lambda tally: float(tally.radiance_error[0] / tally.radiance[0]),
         error_goal,
         _BACKWARD,
     )
-    emission = lamp_emission(lit)
-    area = lit.stack.lamp_count * pitch * lit.stack.panel_length * 1e-6
+    emitted, area = lamp_flux(lit), screen_area(lit)
     return FluxResult(
         efficiency,
-        scaled(efficiency, emission),
+        scaled(efficiency, emitted / area),
         Estimate.normal(
             float(np.pi * backward.radiance[0]), float(np.pi * backward.radiance_error[0])
         ),
-        scaled(efficiency, emission * area),
+        scaled(efficiency, emitted),
         forward.total_paths + backward.total_paths,
     )
 
 
-def lamp_emission(lit: Lit) -> float:
-    """Return the flux the lamps emit over the area they light, π L · 2π r / pitch [lm/m²]."""
+def lamp_flux(lit: Lit) -> float:
+    """Return the flux that the panel's lamps emit, π L · 2π r · length, over all lamps [lm]."""
     stack = lit.stack
-    tube = 2 * np.pi * stack["lamp_radius_mm"] / stack.lamp_pitch
-    return float(np.pi * stack["lamp_luminance_cd_m2"] * tube)
+    tubes, length = float(stack.lamp_count), stack.panel_length
+    if lit.is_finite:
+        tubes = sum(stack.lamp_factor(number) for number in range(stack.lamp_count))
+        length = min(stack["lamp_length_mm"], length)
+    surface = 2 * np.pi * stack["lamp_radius_mm"] * length * 1e-6
+    return float(tubes * np.pi * stack["lamp_luminance_cd_m2"] * surface)
+
+
+def screen_area(lit: Lit) -> float:
+    """Return the area [m²] that the lamps light: a pitch for each, or the finite panel's."""
+    stack = lit.stack
+    width = stack.panel_width if lit.is_finite else stack.lamp_count * stack.lamp_pitch
+    return width * stack.panel_length * 1e-6
 
 
 def scaled(estimate: Estimate, factor: float) -> Estimate:

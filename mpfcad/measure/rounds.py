@@ -6,11 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
-from mpfcad.measure.checkpoint import Checkpoints, case_hash
+from mpfcad.measure.checkpoint import Checkpoints, array_hash, case_hash
 
 if TYPE_CHECKING:
     from mpfcad.optics.engine import Source
@@ -81,8 +79,13 @@ class Lit:
 
     @property
     def accelerator(self) -> str:
-        """How the mesh is traced."""
+        """How the films are traced."""
         return self.scene.accelerators
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the panel has edges; else everything repeats sideways without end."""
+        return self.stack.extent == "panel"
 
 
 def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit:
@@ -101,24 +104,14 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     mesh = None if mesh_path is None else read_film_mesh(mesh_path)
     elements = stack.elements(mesh, offset)
     scene = build_scene(elements)
-    digest = hashlib.sha256()
-    _feed(digest, scene)
     case = {
         "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,
-        "scene": digest.hexdigest(),
+        "layers": list(stack.layers),
+        "values": {name: entry.value for name, entry in stack.quantity.items()},
+        "scene": array_hash(scene),
     }
     return Lit(stack, elements, scene, case, str(mesh_path or stack.name))
-
-
-def _feed(digest: "hashlib._Hash", value: Any) -> None:
-    """Feed a number, an array or a tuple of such to a digest."""
-    if isinstance(value, tuple):
-        for part in value:
-            _feed(digest, part)
-    else:
-        array = np.ascontiguousarray(value)
-        digest.update(f"{array.dtype.str} {array.shape}".encode() + array.tobytes())
 
 
 def trace_rounds(

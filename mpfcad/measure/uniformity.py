@@ -90,4 +90,4 @@ def uniformity(
 def middle(lit: Lit) -> float:
     """Return x [mm] of the panel's middle, from the axis of the lamp left of it."""
     stack = lit.stack
-    return stack.panel_width / 2 - stack.lamp_position(max((stack.lamp_count - 1) // 2, 0))
+    return stack.panel_width / 2 - stack.lamp_position(stack.central_lamp)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import any_of, floor, gather, magnitude, select, whole
+from mpfcad.optics.lanes import any_of, floor, gather, gather_row, magnitude, select, whole
 from mpfcad.optics.mesh import FilmMesh
 
 
@@ -25,12 +25,11 @@ class Chain(NamedTuple):
 
     Attributes
     ----------
-    x, z
-        (s+1,) float64 [mm], vertices from x = 0 to the tile's width, x ascending
-    normal_x, normal_z
-        (s,) float64, unit normals of the segments, upward
-    slope
-        (s+2,) float64, dz/dx of segment i at i+1, zeros at both ends
+    vertex
+        (s+1, 4) float64: x, z [mm] from x = 0 to the tile's width, x ascending; dz/dx of the
+        segments to the right and to the left
+    segment
+        (s, 4) float64: x [mm] of the right end, unit normal x and z, upward; 0
     run
         (r+1,) int64, the vertices at which runs begin, and the last vertex
     run_of
@@ -39,11 +38,8 @@ class Chain(NamedTuple):
         (c,) int64, the run at the left edge of each of c equal cells of the width
     """
 
-    x: NDArray[np.float64]
-    z: NDArray[np.float64]
-    normal_x: NDArray[np.float64]
-    normal_z: NDArray[np.float64]
-    slope: NDArray[np.float64]
+    vertex: NDArray[np.float64]
+    segment: NDArray[np.float64]
     run: NDArray[np.int64]
     run_of: NDArray[np.int64]
     first: NDArray[np.int64]
@@ -73,13 +69,21 @@ def chain_of(x: NDArray[np.float64], z: NDArray[np.float64]) -> Chain:
     run_of = np.repeat(np.arange(len(run) - 1), np.diff(run))
     cells = np.arange(2 * len(run)) * (x[-1] / (2 * len(run)))
     first = np.clip(np.searchsorted(x[run], cells, side="right") - 1, 0, len(run) - 2)
-    return Chain(x, z, -dz / norm, dx / norm, np.r_[0.0, slope, 0.0], run, run_of, first)
+    vertex = np.stack([x, z, np.r_[slope, 0.0], np.r_[0.0, slope]], axis=1)
+    segment = np.stack([x[1:], -dz / norm, dx / norm, np.zeros_like(dx)], axis=1)
+    return Chain(vertex, segment, run, run_of, first)
 
 
 def _facets_span_one_segment(mesh: FilmMesh, x: NDArray[np.float64]) -> bool:
     """Return whether each top facet lies between two neighbouring vertices of the cross-section."""
     place = np.searchsorted(x, mesh.vertex[mesh.top][..., 0])
     return bool((place.max(axis=1) - place.min(axis=1) == 1).all())
+
+
+@kernel
+def _x(chain, v):
+    """Return x of a vertex."""
+    return gather_row(chain.vertex, v)[0]
 
 
 @kernel
@@ -91,8 +95,8 @@ def _run_at(chain, width, x, wanted):
     cell = whole(select(place < cells - 1.0, select(place > 0.0, place, 0.0), cells - 1.0))
     run = gather(chain.first, cell)
     while True:
-        back = wanted & (run > 0) & (x < gather(chain.x, gather(chain.run, run)))
-        ahead = wanted & (run < last) & (x >= gather(chain.x, gather(chain.run, run + 1)))
+        back = wanted & (run > 0) & (x < _x(chain, gather(chain.run, run)))
+        ahead = wanted & (run < last) & (x >= _x(chain, gather(chain.run, run + 1)))
         if not any_of(back | ahead):
             return run
         run = select(back, run - 1, select(ahead, run + 1, run))
@@ -143,17 +147,19 @@ def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside, active):
                 break
             middle = (near + far) >> 1
             v = select(right, at + middle, at - middle)
-            gap = ((gather(chain.z, v) - z) * speed - (gather(chain.x, v) - x) * sign * dz) * side
-            steeper = gather(chain.slope, select(right, v + 1, v)) * sign * speed >= dz
+            vx, vz, after, before = gather_row(chain.vertex, v)
+            gap = ((vz - z) * speed - (vx - x) * sign * dz) * side
+            steeper = select(right, after, -before) * speed >= dz
             past = (gap <= 0.0) | (inside & steeper)
             far = select(between & past, middle, far)
             near = select(between & (past ^ True), middle, near)
         v = select(right, at + far, at - far)
-        gap = ((gather(chain.z, v) - z) * speed - (gather(chain.x, v) - x) * sign * dz) * side
+        vx, vz, _, _ = gather_row(chain.vertex, v)
+        gap = ((vz - z) * speed - (vx - x) * sign * dz) * side
         met = walking & (far > 0) & (gap <= 0.0)
         k = select(met, select(right, v - 1, v), k)
         # Past the run's end: out of the zone already?
-        ahead = (gather(chain.x, end) - x) * sign * dz - (level - z) * speed
+        ahead = (_x(chain, end) - x) * sign * dz - (level - z) * speed
         gone = walking & (met ^ True) & (dz * side < 0.0) & (ahead * side < 0.0)
         k = select(gone, -1, k)
         walking = walking & ((met | gone) ^ True)
@@ -161,9 +167,9 @@ def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside, active):
             break
         run = select(walking, run + forward, run)
         beyond = run == len(chain.run) - 1
-        before = run < 0
-        run = select(beyond, 0, select(before, len(chain.run) - 2, run))
-        turn = select(beyond, width, select(before, -width, 0.0))
+        under = run < 0
+        run = select(beyond, 0, select(under, len(chain.run) - 2, run))
+        turn = select(beyond, width, select(under, -width, 0.0))
         x = x - turn
         shift = shift + turn
         at = gather(chain.run, select(right, run, run + 1))
@@ -175,12 +181,11 @@ def _meet(chain, k, x, z, dx, dz, shift):
     """Return the hit on segment k, its point put onto the segment."""
     hit = k >= 0
     segment = select(hit, k, 0)
-    nx, nz = gather(chain.normal_x, segment), gather(chain.normal_z, segment)
-    x0, z0 = gather(chain.x, segment), gather(chain.z, segment)
-    x1 = gather(chain.x, segment + 1)
+    x0, z0, slope, _ = gather_row(chain.vertex, segment)
+    x1, nx, nz, _ = gather_row(chain.segment, segment)
     distance = ((x0 - x) * nx + (z0 - z) * nz) / (dx * nx + dz * nz)
     distance = select(hit & (distance > 0.0), distance, 0.0)
     hit_x = x + distance * dx
     hit_x = select(hit_x > x0, select(hit_x < x1, hit_x, x1), x0)
-    hit_z = z0 + gather(chain.slope, segment + 1) * (hit_x - x0)
+    hit_z = z0 + slope * (hit_x - x0)
     return k, distance, select(hit, hit_x, x), select(hit, hit_z, z), shift, nx, nz

@@ -14,6 +14,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.np.arrayobj import populate_array
 
 LANES = 8
 _I32 = ir.IntType(32)
@@ -246,6 +247,69 @@ def gather(typingctx, array, index):
         return vector
 
     return result(array, index), lower
+
+
+def _local(element):
+    @intrinsic(prefer_literal=True)
+    def function(typingctx, count):
+        array = types.Array(element, 1, "C")
+
+        def lower(context, builder, sig, args):
+            kind = context.get_value_type(element)
+            size = context.get_abi_sizeof(kind)
+            number, step = (ir.Constant(ir.IntType(64), n) for n in (count.literal_value, size))
+            data = cgutils.alloca_once(builder, kind, size=count.literal_value)
+            made = context.make_array(array)(context, builder)
+            populate_array(made, data, [number], [step], step, None)
+            return made._getvalue()
+
+        return array(count), lower
+
+    return function
+
+
+#: Arrays of a constant length on the kernel's own stack: they must not outlive it.
+local_floats = _local(types.float64)
+local_wholes = _local(types.int64)
+
+
+@intrinsic
+def gather_row(typingctx, array, index):
+    """Return the four columns of array[index], (n, 4) float64 contiguous, as a tuple."""
+    kind = F8 if index == I8 else types.float64
+    quad = ir.VectorType(ir.DoubleType(), 4)
+
+    def row(context, builder, data, place):
+        place = builder.mul(place, ir.Constant(place.type, 4))
+        loaded = builder.load(builder.bitcast(builder.gep(data, [place]), quad.as_pointer()))
+        loaded.align = 8
+        return loaded
+
+    def shuffle(builder, a, b, order):
+        return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_I32, len(order)), order))
+
+    def lower(context, builder, sig, args):
+        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+        if index != I8:
+            place = context.cast(builder, args[1], index, types.int64)
+            loaded = row(context, builder, data, place)
+            columns = [builder.extract_element(loaded, ir.Constant(_I32, i)) for i in range(4)]
+            return context.make_tuple(builder, sig.return_type, columns)
+        rows = [
+            row(context, builder, data, builder.extract_element(args[1], ir.Constant(_I32, i)))
+            for i in range(LANES)
+        ]
+        # Transpose 8 rows of 4: rows i and i+4 side by side, then columns in pairs, then whole.
+        pairs = [shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
+        columns = []
+        for c in range(4):
+            halves = [
+                shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
+            ]
+            columns.append(shuffle(builder, *halves, [0, 1, 4, 5, 2, 3, 6, 7]))
+        return context.make_tuple(builder, sig.return_type, columns)
+
+    return types.UniTuple(kind, 4)(array, index), lower
 
 
 def _row_pointer(context, builder, array, value, row, kind: Lanes):

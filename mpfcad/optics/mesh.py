@@ -144,6 +144,13 @@ def _top_facets(
             f"{path}: mesh: the upper surface near {bad} overhangs or leaves part of the "
             "rectangle uncovered: a film's top is one height over its whole base"
         )
+    # One height over its base cannot cross itself; touch the underside it can.
+    thin = vertex[top][..., 2] == 0
+    if thin.any():
+        raise InputError(
+            f"{path}: mesh: touches itself at {_at(vertex[top][thin][0])}: "
+            "the upper surface must lie above the underside"
+        )
     return top
 
 

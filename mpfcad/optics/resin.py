@@ -46,10 +46,10 @@ class Resin:
 @kernel
 def segment_over(chain, x):
     """Return the segment of a chain that lies over x [mm]; beyond its ends, the first or last."""
-    low, high = 0, len(chain.normal_x)
+    low, high = 0, len(chain.segment)
     while high - low > 1:
         middle = (low + high) >> 1
-        if chain.x[middle] <= x:
+        if chain.vertex[middle, 0] <= x:
             low = middle
         else:
             high = middle
@@ -78,8 +78,9 @@ def collision_distance(prism, scattering, x, z, dx, dz, reach, rng):
         at = x + flown * dx
         at -= math.floor(at / prism.width) * prism.width
         k = segment_over(chain, at)
-        share = (at - chain.x[k]) / (chain.x[k + 1] - chain.x[k])
-        if z + flown * dz > chain.z[k] + share * (chain.z[k + 1] - chain.z[k]):
+        x0, z0 = chain.vertex[k, 0], chain.vertex[k, 1]
+        x1, z1 = chain.vertex[k + 1, 0], chain.vertex[k + 1, 1]
+        if z + flown * dz > z0 + (at - x0) / (x1 - x0) * (z1 - z0):
             return flown
 
 
@@ -89,7 +90,7 @@ def facet_amid(tile, x, y, z, dx, dy, dz):
     if tile.accelerator != _CHAIN:
         return next_facet(tile, x, y, z, dx, dy, dz, -1, True)
     chain, width = tile.chain, tile.width
-    count = len(chain.normal_x)
+    count = len(chain.segment)
     # Free flight up to the zone of the top, for a ray from below its lowest place.
     free = 0.0
     if z < tile.low:
@@ -105,12 +106,13 @@ def facet_amid(tile, x, y, z, dx, dy, dz):
     speed = abs(dx)
     for _ in range(64 * count + 64):
         v = k + 1 if right else k
-        ahead = (chain.x[v] - x) * sign
+        ahead = (chain.vertex[v, 0] - x) * sign
         if speed == 0.0 and dz <= 0.0:
             break
-        if (chain.z[v] - z) * speed <= ahead * dz:
-            nx, nz = chain.normal_x[k], chain.normal_z[k]
-            x0, z0, x1, z1 = chain.x[k], chain.z[k], chain.x[k + 1], chain.z[k + 1]
+        if (chain.vertex[v, 1] - z) * speed <= ahead * dz:
+            nx, nz = chain.segment[k, 1], chain.segment[k, 2]
+            x0, z0 = chain.vertex[k, 0], chain.vertex[k, 1]
+            x1, z1 = chain.vertex[k + 1, 0], chain.vertex[k + 1, 1]
             approach = dx * nx + dz * nz
             distance = 0.0
             if approach != 0.0:

@@ -31,10 +31,10 @@ class Tile(NamedTuple):
 
 _NO_CHAIN = chain_of(np.array([0.0, 1.0]), np.zeros(2))
 _NO_BVH = Bvh(
-    np.zeros((1, 6)),
-    np.zeros((1, 2), np.int64),
-    np.ones(1, np.int64),
-    np.zeros((1, 9)),
+    np.zeros((6, 8)),
+    np.zeros((1, 8), np.int64),
+    np.zeros((9, 8)),
+    np.zeros((1, 8), np.int64),
     np.zeros((1, 3)),
 )
 #: What a scene without film holds.

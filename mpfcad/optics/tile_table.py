@@ -62,21 +62,18 @@ def tile_of(table, t):
     """Return tile number `t` of a table, its arrays as views."""
     c, d = table.chain_at[t], table.chain_at[t + 1]
     chain = Chain(
-        table.chain.x[c[0] : d[0]],
-        table.chain.z[c[1] : d[1]],
-        table.chain.normal_x[c[2] : d[2]],
-        table.chain.normal_z[c[3] : d[3]],
-        table.chain.slope[c[4] : d[4]],
-        table.chain.run[c[5] : d[5]],
-        table.chain.run_of[c[6] : d[6]],
-        table.chain.first[c[7] : d[7]],
+        table.chain.vertex[c[0] : d[0]],
+        table.chain.segment[c[1] : d[1]],
+        table.chain.run[c[2] : d[2]],
+        table.chain.run_of[c[3] : d[3]],
+        table.chain.first[c[4] : d[4]],
     )
     c, d = table.bvh_at[t], table.bvh_at[t + 1]
     bvh = Bvh(
         table.bvh.box[c[0] : d[0]],
-        table.bvh.leaf[c[1] : d[1]],
-        table.bvh.skip[c[2] : d[2]],
-        table.bvh.corner[c[3] : d[3]],
+        table.bvh.child[c[1] : d[1]],
+        table.bvh.corner[c[2] : d[2]],
+        table.bvh.facet[c[3] : d[3]],
         table.bvh.normal[c[4] : d[4]],
     )
     size = table.size[t]

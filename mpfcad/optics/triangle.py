@@ -1,6 +1,7 @@
-"""A ray against a triangle in double precision, watertight along shared edges."""
+"""A ray against triangles, eight at a time, in double precision, watertight along shared edges."""
 
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import load, select
 
 
 @kernel
@@ -13,25 +14,22 @@ def edge_product(dx, dy, dz, ax, ay, az, bx, by, bz):
 
 
 @kernel
-def triangle_distance(corner, t, ox, oy, oz, dx, dy, dz, side):
-    """Return the distance along a ray to facet t, or infinity when it is missed.
+def triangle_distances(corner, row, ox, oy, oz, dx, dy, dz, side):
+    """Return the distances along a ray to eight facets, infinite where one is missed.
 
-    `corner` (n, 9) float64 [mm] holds the corners, anticlockwise from outside. With `side` = 1 only
-    facets that the ray leaves through count (d·n > 0), with -1 only those it enters through. A
-    NaN is a miss.
+    Nine rows of `corner` (…, 8) float64 [mm] from `row` on hold the corners, x, y, z each,
+    anticlockwise from outside. With `side` = 1 only facets that the ray leaves through count
+    (d·n > 0), with -1 only those it enters through. A NaN is a miss.
     """
-    ax, ay, az = corner[t, 0] - ox, corner[t, 1] - oy, corner[t, 2] - oz
-    bx, by, bz = corner[t, 3] - ox, corner[t, 4] - oy, corner[t, 5] - oz
-    cx, cy, cz = corner[t, 6] - ox, corner[t, 7] - oy, corner[t, 8] - oz
+    ax, ay, az = load(corner, row) - ox, load(corner, row + 1) - oy, load(corner, row + 2) - oz
+    bx, by, bz = load(corner, row + 3) - ox, load(corner, row + 4) - oy, load(corner, row + 5) - oz
+    cx, cy, cz = load(corner, row + 6) - ox, load(corner, row + 7) - oy, load(corner, row + 8) - oz
     u = side * edge_product(dx, dy, dz, bx, by, bz, cx, cy, cz)
     v = side * edge_product(dx, dy, dz, cx, cy, cz, ax, ay, az)
     w = side * edge_product(dx, dy, dz, ax, ay, az, bx, by, bz)
-    if not (u >= 0.0 and v >= 0.0 and w >= 0.0):
-        return float("inf")
     total = u + v + w
-    if not total > 0.0:
-        return float("inf")
+    met = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) & (total > 0.0)
     px = (u * ax + v * bx + w * cx) / total
     py = (u * ay + v * by + w * cy) / total
     pz = (u * az + v * bz + w * cz) / total
-    return px * dx + py * dy + pz * dz
+    return select(met, px * dx + py * dy + pz * dz, float("inf"))

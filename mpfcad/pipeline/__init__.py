@@ -11,7 +11,7 @@ from mpfcad.pipeline.design import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
-from mpfcad.pipeline.measure import default_measure_out, measure_film
+from mpfcad.pipeline.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.mould import MouldSetting, make_mould
 from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
@@ -38,6 +38,7 @@ __all__ = [
     "default_measure_out",
     "default_out",
     "default_sweep_out",
+    "default_what",
     "make_cad",
     "make_mask",
     "make_mould",

@@ -18,7 +18,7 @@ from mpfcad.pipeline.resume import cache_folder, open_checkpoints
 
 DEFAULT_STACK = "thesis-32in-mpf"
 #: What can be measured, in the order of the page.
-WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera")
+WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel")
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +230,13 @@ def _camera(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     return describe_camera(camera_image(lit, run, MEASURE_SETTINGS[effort].pixel))
 
 
+def _panel(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import panel_luminance
+    from mpfcad.report import describe_panel
+
+    return describe_panel(panel_luminance(lit, run, MEASURE_SETTINGS[effort].cell))
+
+
 _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "contrast": _contrast,
     "angular": _angular,
@@ -237,4 +244,5 @@ _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "flux": _flux,
     "uniformity": _uniformity,
     "camera": _camera,
+    "panel": _panel,
 }

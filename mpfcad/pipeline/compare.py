@@ -49,14 +49,12 @@ def compare_cases(
 
 
 def _row(case: Case, measuring: Measuring, progress: Progress) -> dict[str, Any]:
-    layers = case.lit.stack.layers
+    stack = case.lit.stack
     return {
-        "label": f"{case.name} in {case.lit.stack.name}",
+        "label": f"{case.name} in {stack.name}",
         "traced": describe_case(case, measuring),
         "screen": screen(case.lit),
-        # A film bonded on the plate is one part with it.
-        "sheet_count": sum(not n.endswith("_plate") and n != "bonded_film" for n in layers),
-        "plate_count": sum(name.endswith("_plate") for name in layers),
+        "sheet_count": stack.sheet_count,
         **measure_case(case, _WHAT, measuring, progress),
     }
 

@@ -4,6 +4,9 @@ import os
 from dataclasses import asdict, dataclass
 from typing import Any
 
+#: A half-width that no trace reaches: it goes on to its path limit.
+NO_GOAL = -1.0
+
 
 @dataclass(frozen=True)
 class TraceSetting:
@@ -45,6 +48,8 @@ class MeasureSetting:
         of a screen point's luminance over the mean
     pixel
         of a pixel of the camera image over the mean
+    cell
+        of a cell of the panel's map over the mean
     """
 
     direction: float
@@ -52,10 +57,11 @@ class MeasureSetting:
     flux: float
     screen: float
     pixel: float
+    cell: float
 
 
 MEASURE_SETTINGS = {
-    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015),
-    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006),
-    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003),
+    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015, 0.04),
+    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006, 0.015),
+    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003, 0.005),
 }

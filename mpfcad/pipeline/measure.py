@@ -5,13 +5,14 @@ from typing import Any
 
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.measure import Lit
-from mpfcad.pipeline.case import Case, Measuring, baseline_case, measure_case
+from mpfcad.pipeline.case import WHAT, Case, Measuring, baseline_case, measure_case
 from mpfcad.pipeline.progress import SILENT, Progress
 
 MEASURE_FILE = "measure.json"
 MEASURE_PAGE = "measure.html"
 #: What is also measured on the conventional stack, to compare with.
 _COMPARED = ("contrast", "flux")
+_RIM = "The panel is finite: side walls, lamps of their length, black beside its edges."
 _NO_RIM = (
     "Traced without the panel's rim: lamps and film go on sideways without end, so corners are as "
     "bright as the middle, and only the place over the lamps differs."
@@ -23,6 +24,11 @@ def default_measure_out(case: Case) -> Path:
     return Path("exports") / f"{case.name}-measure"
 
 
+def default_what(case: Case) -> tuple[str, ...]:
+    """Return everything that can be measured on a case."""
+    return WHAT if case.lit.is_finite else tuple(name for name in WHAT if name != "panel")
+
+
 def measure_film(
     case: Case, what: tuple[str, ...], out: Path, measuring: Measuring, progress: Progress = SILENT
 ) -> dict[str, Any]:
@@ -31,10 +37,14 @@ def measure_film(
     Raises
     ------
     InputError
-        when `out` is something else than an older measurement.
+        when `out` is something else than an older measurement, or `panel` is asked of a stack
+        that repeats without end.
     """
+    from mpfcad.measure import check_finite
     from mpfcad.report import write_measure_page, write_pictures
 
+    if "panel" in what:
+        check_finite(case.lit)
     with export_folder(out, "measure") as folder:
         record = measurement(case, what, measuring, progress)
         write_text(folder / MEASURE_FILE, canonical_json(record))
@@ -95,5 +105,5 @@ def screen(lit: Lit) -> dict[str, Any]:
     return {
         "lamps_level": level,
         "axes": dict(zip(("across", "along"), axes, strict=True)),
-        "rim": _NO_RIM,
+        "rim": _RIM if lit.is_finite else _NO_RIM,
     }

@@ -14,6 +14,7 @@ from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Groove
 from mpfcad.job import build_job
 from mpfcad.job.sweep import FILL_AXIS, Sweep
+from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT
@@ -151,7 +152,7 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
         write_cad(plan, folder, ("stl",), SILENT)
         lit = light_film(stack, folder / "film.stl", plan.offset + shift)
         run = TraceRun(seed=plan.job.seed, threads=threads, path_limit=point.path_limit)
-        found = luminance_over_pitch(lit, run, half_width_goal=point.half_width)
+        found = luminance_over_pitch(lit, run, half_width_goal=point.half_width or NO_GOAL)
     return {
         "coordinate": point.coordinate,
         "local_shift_mm": shift,
@@ -166,7 +167,7 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     """Return what a search of the point's map found, if there is one, and the plan with it."""
     from mpfcad.job.design import Design
     from mpfcad.job.reader import validate
-    from mpfcad.pipeline.design import DesignWork
+    from mpfcad.pipeline.design_work import DesignWork
 
     if point.design is None:
         return None, point.plan()

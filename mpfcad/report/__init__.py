@@ -16,6 +16,7 @@ from mpfcad.report.measurement import (
     describe_contrast,
     describe_estimate,
     describe_flux,
+    describe_panel,
     describe_uniformity,
     ratio,
 )
@@ -50,6 +51,7 @@ __all__ = [
     "describe_estimate",
     "describe_flux",
     "describe_luminance",
+    "describe_panel",
     "describe_uniformity",
     "exit_code",
     "find_difference",

@@ -1,4 +1,4 @@
-"""Figures of luminance over direction and of the camera image, for the measurement's pages."""
+"""Figures of luminance over direction, pitch and panel, for the measurements' pages."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -104,6 +104,27 @@ def _on_map(conoscope: dict[str, Any], polar: np.ndarray, azimuth: np.ndarray) -
     low = value[i0, k0] * (1 - q) + value[i0, k0 + 1] * q
     high = value[i0 + 1, k0] * (1 - q) + value[i0 + 1, k0 + 1] * q
     return low * (1 - p) + high * p
+
+
+def panel_figure(panel: dict[str, Any], lamps_level: bool) -> "go.Figure":
+    """Return the panel's map as it lies on the screen."""
+    import plotly.graph_objects as go
+
+    value = np.array(panel["luminance_cd_m2"])
+    across, along = rounded(panel["across_mm"], 3), rounded(panel["along_mm"], 3)
+    x, y, shown = (along, across, value) if lamps_level else (across, along, value.T)
+    figure = go.Figure(
+        go.Heatmap(
+            x=x, y=y, z=[rounded(row, 1) for row in shown], colorscale="Viridis",
+            colorbar={"title": {"text": "cd/m²"}},
+            hovertemplate="%{x} mm, %{y} mm: %{z} cd/m²<extra></extra>",
+        )
+    )  # fmt: skip
+    styled(figure, 460)
+    figure.update_xaxes(title_text="[mm]", constrain="domain")
+    figure.update_yaxes(title_text="[mm]", scaleanchor="x", constrain="domain")
+    figure.update_layout(hovermode="closest")
+    return figure
 
 
 def pitch_figure(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":

@@ -36,8 +36,8 @@ def write_compare_page(path: Path, record: Record) -> None:
         "(L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + L<sub>min</sub>) over one lamp "
         "pitch, from the fitted curve. Normal luminance: mean over the pitch. Viewing angle: full "
         "width at half of the peak, H level and V upright on the screen. Efficiency: flux over all "
-        "directions / flux that the lamps emit. Sheets: diffuser sheets and films that are not "
-        "part of the plate.</p></section>"
+        "directions / flux that the lamps emit. Sheets: plate, diffuser sheets and films, "
+        "each that is handled on its own.</p></section>"
         + "<section><h2>Luminance over the lamp pitch</h2>"
         + figure(
             figure_html(pitch_figure(curves), "pitch"),
@@ -124,7 +124,6 @@ def _rows(cases: list[Record]) -> list[list[Any]]:
             "third_of_normal_width_deg"),
         row("efficiency [lm/lm]", "flux", "efficiency_lm_per_lm"),
         row("flux out per area [lm/m²]", "flux", "exitance_lm_m2"),
-        row("plates", "plate_count"),
         row("sheets", "sheet_count"),
     ]  # fmt: skip
 

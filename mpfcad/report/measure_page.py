@@ -5,7 +5,14 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from mpfcad.report.angle_figure import angular_figure, conoscope_figure, pitch_figure
+import numpy as np
+
+from mpfcad.report.angle_figure import (
+    angular_figure,
+    conoscope_figure,
+    panel_figure,
+    pitch_figure,
+)
 from mpfcad.report.figure import (
     BASE_COLOUR,
     FILM_COLOUR,
@@ -141,13 +148,14 @@ def _flux(record: Record, folder: Path) -> str:
         ("the same, from the luminance over the hemisphere", found["exitance_backward_lm_m2"]),
         ("the same, from the conoscopic map",
          record.get("conoscope", {}).get("exitance_lm_m2")),
-        ("flux out of the panel [lm], without losses at its rim", found["flux_lm"]),
+        ("flux out of the panel [lm]", found["flux_lm"]),
     ]  # fmt: skip
     rows = [estimate_row(label, value, 5) for label, value in rows if value is not None]
     return (
         table(_HEAD, rows, numeric=(1, 2, 3))
         + '<p class="note">Forward and backward traces share nothing but the scene: they differ by '
-        f"{found['forward_minus_backward_sigma']:.1f} standard errors.</p>"
+        f"{found['forward_minus_backward_sigma']:.1f} standard errors. "
+        f"{record['screen']['rim']}</p>"
     )
 
 
@@ -182,8 +190,10 @@ def _camera(record: Record, folder: Path) -> str:
         f'alt="{name}" style="width:48%;margin-right:1%">'
         for name in PICTURES[:2]
     )
-    mean = sum(found["luminance_cd_m2"]) / len(found["luminance_cd_m2"])
-    error = max(found["standard_error_cd_m2"]) / mean
+    mean = np.mean(found["luminance_cd_m2"])
+    error = np.max(found["standard_error_cd_m2"]) / mean
+    parts = len(found["luminance_cd_m2"][0])
+    lines = "one traced value" if parts == 1 else f"{parts} traced values"
     edge = found["pixel_mm"] * len(found["luminance_cd_m2"])
     return figure(
         shown,
@@ -191,10 +201,24 @@ def _camera(record: Record, folder: Path) -> str:
         f"{found['pixel_mm']:g} mm. Left: black is 0, white 1.1 of the mean, as the eye sees it. "
         f"Right: bands of {band_width(found) * 100:g} % of the mean, at least two standard errors, "
         f"blue below and brown above. Nothing is "
-        f"smoothed: every line along the lamps is one traced value with a standard error of up to "
+        f"smoothed: every line along the lamps is {lines} with a standard error of up to "
         f"{error * 100:.2f} % ({short(found['paths'])} paths in all); camera.tif holds them in 16 "
         f"bits.",
     )
+
+
+def _panel(record: Record, folder: Path) -> str:
+    found = record["panel"]
+    rows = [
+        estimate_row(f"corner {name.replace('_', ', ')} / middle", corner)
+        for name, corner in found["corner_over_middle"].items()
+    ]
+    return figure(
+        figure_html(panel_figure(found, record["screen"]["lamps_level"]), "panel"),
+        "Normal luminance of cells over the whole panel, each averaged over itself; standard error "
+        f"of a cell {short(float(np.max(found['standard_error_cd_m2'])), 2)} cd/m² at most. "
+        f"{short(found['paths'])} paths. {record['screen']['rim']}",
+    ) + table(_HEAD, rows, numeric=(1, 2, 3))
 
 
 _SECTIONS = {
@@ -204,4 +228,5 @@ _SECTIONS = {
     "flux": ("Flux and efficiency", _flux),
     "uniformity": ("Uniformity of the screen", _uniformity),
     "camera": ("Camera image", _camera),
+    "panel": ("The whole panel", _panel),
 }

@@ -12,6 +12,7 @@ from mpfcad.measure import (
     Estimate,
     FluxResult,
     LuminanceResult,
+    PanelResult,
     UniformityResult,
     contrast_of_harmonics,
     harmonic_amplitude,
@@ -21,7 +22,7 @@ from mpfcad.report.verification import describe_luminance
 from mpfcad.units import deg
 
 #: Of the records below; figures kept under another one are measured anew.
-MEASUREMENT_SCHEMA = 1
+MEASUREMENT_SCHEMA = 2
 _HARMONICS = 3
 
 
@@ -105,11 +106,27 @@ def describe_uniformity(result: UniformityResult) -> dict[str, Any]:
 
 
 def describe_camera(result: CameraResult) -> dict[str, Any]:
-    """Return the picture's lines."""
+    """Return the picture's lines across the lamps, each in equal parts along them."""
     return {
         "pixel_mm": result.pixel,
-        "luminance_cd_m2": _numbers(result.luminance),
-        "standard_error_cd_m2": _numbers(result.standard_error),
+        "luminance_cd_m2": [_numbers(line) for line in result.luminance],
+        "standard_error_cd_m2": [_numbers(line) for line in result.standard_error],
+        "paths": result.paths,
+    }
+
+
+def describe_panel(result: PanelResult) -> dict[str, Any]:
+    """Return the panel's map, a row for each place across the lamps, and its corners."""
+    names = ("left_near", "left_far", "right_near", "right_far")
+    return {
+        "across_mm": _numbers(result.across),
+        "along_mm": _numbers(result.along),
+        "luminance_cd_m2": [_numbers(row) for row in result.luminance],
+        "standard_error_cd_m2": [_numbers(row) for row in result.standard_error],
+        "corner_over_middle": {
+            name: describe_estimate(corner)
+            for name, corner in zip(names, result.corner, strict=True)
+        },
         "paths": result.paths,
     }
 

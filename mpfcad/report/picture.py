@@ -23,11 +23,10 @@ _BANDS_TO_FULL = 5
 def camera_picture(camera: dict[str, Any], lamps_level: bool) -> NDArray[np.float64]:
     """Return the picture [cd/m²], (n, n) float64, as it lies on the screen.
 
-    Every line along the lamps is one traced value. `lamps_level`: the lamps lie level on the
-    screen, so x runs down the picture.
+    `lamps_level`: the lamps lie level on the screen, so x runs down the picture.
     """
     lines = np.asarray(camera["luminance_cd_m2"])
-    picture = np.repeat(lines[:, None], len(lines), axis=1)
+    picture = np.repeat(lines, len(lines) // lines.shape[1], axis=1)
     return picture if lamps_level else picture.T
 
 

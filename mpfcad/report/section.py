@@ -193,10 +193,10 @@ def cad_section(record: Record, evidence: Evidence) -> str:
         ("film.stl: facets", short(mesh["triangle_count"])),
         ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
         ("film.stl: facet normals, rms / of the facet nearest to its limit",
-         f"{short(mesh['normal_error_deg_rms'], 3)}"
-         f"° / {short(mesh['normal_error_deg_max'], 3)}°"),
-        ("film.stl: slopes against the profile's secants, rms",
-         _or_none(mesh["secant_error_deg_rms"], "°")),
+         f"{short(mesh['normal_error_deg_rms'], 3)}° / {short(mesh['normal_error_deg_max'], 3)}°"),
+        ("film.stl: slopes against the profile's secants, rms / of the worst groove",
+         _or_none(mesh["secant_error_deg_rms"], "°") + " / "
+         + _or_none(mesh["secant_error_deg_rms_worst_groove"], "°")),
         ("film.stl against film.step: largest distance / difference of volume",
          f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
          f"{short(record['step_mesh']['volume_difference'], 3)}"),

@@ -66,9 +66,9 @@ def _optima(record: dict[str, Any]) -> str:
         ]
         for one in record["optima"]
     ]
-    axis = escape(record["optima"][0]["axis"])
-    head = ("curve", f"{axis} of least contrast", "contrast there", "mean luminance [cd/m²]",
-            f"{axis} below the limit", "certainly below (95 %)")  # fmt: skip
+    axis = escape(record["optima"][0]["axis"].rpartition(".")[2])
+    head = ("curve", f"best {axis}", "contrast there", "mean luminance [cd/m²]",
+            f"{axis} below the limit", "certainly so (95 %)")  # fmt: skip
     return table(head, rows, numeric=(1, 2, 3))
 
 
@@ -84,7 +84,13 @@ def _points(record: dict[str, Any]) -> str:
         ]
         for one in record["points"]
     ]
-    head = (*map(escape, axes), "contrast", "mean luminance [cd/m²]", "shift [mm]", "paths")
+    head = (
+        *(escape(axis.rpartition(".")[2]) for axis in axes),
+        "contrast",
+        "mean luminance [cd/m²]",
+        "shift [mm]",
+        "paths",
+    )
     return table(head, rows, numeric=range(len(axes), len(head)))
 
 

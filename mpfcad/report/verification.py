@@ -18,7 +18,7 @@ SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
 RATIO_LIMIT = 0.001
-STEP_VOLUME_LIMIT = 2e-9
+STEP_VOLUME_LIMIT = 1e-9
 CURVATURE_LIMIT = 0.1
 LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
@@ -202,9 +202,8 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "triangle_count": int(check.triangle_count),
         "volume_error": float(check.volume_error),
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
-        "secant_error_deg_rms": None
-        if check.secant_error_rms is None
-        else float(check.secant_error_rms / deg),
+        "secant_error_deg_rms": _in_deg(check.secant_error_rms),
+        "secant_error_deg_rms_worst_groove": _in_deg(check.secant_error_groove),
         "normal_error_deg_max": float(check.normal_error_max / deg),
     }
 
@@ -246,6 +245,10 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
 
 def _numbers(values: Any) -> list[float]:
     return [float(value) for value in values]
+
+
+def _in_deg(angle: float | None) -> float | None:
+    return None if angle is None else float(angle) / deg
 
 
 def _in_um(length: float | None) -> float | None:

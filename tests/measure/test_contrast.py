@@ -149,3 +149,14 @@ def test_a_normal_estimate_is_symmetric():
     estimate = Estimate.normal(10.0, 0.5)
     assert (estimate.low, estimate.high) == pytest.approx((9.02, 10.98), abs=0.001)
     assert estimate.half_width == pytest.approx(0.98, abs=0.001)
+
+
+def test_a_curve_read_flatter_than_its_noise_allows_is_no_proof_of_flatness():
+    # Exactly flat by chance: the interval must not end at 0 (and stop a trace after one round).
+    error = 0.01
+    estimate = contrast_of_harmonics(
+        fit_harmonics(POSITION, np.ones(POINTS), np.full(POINTS, error))
+    )
+    # An amplitude's error is 0.01 √(2/33) = 0.0025.
+    assert estimate.value == estimate.low == 0
+    assert 0.0025 < estimate.high < 0.02

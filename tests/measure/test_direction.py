@@ -106,8 +106,9 @@ def test_the_map_and_the_curves_are_one(lit):
 
 def test_the_picture_is_symmetric_about_the_middle_between_lamps(lit):
     image = camera_image(lit, TraceRun(seed=23), 0.04)
-    half = image.luminance[:100], image.luminance[:99:-1]
-    errors = image.standard_error[:100], image.standard_error[:99:-1]
+    value, error = image.luminance[:, 0], image.standard_error[:, 0]
+    half = value[:100], value[:99:-1]
+    errors = error[:100], error[:99:-1]
     away = (half[0] - half[1]) / np.hypot(*errors)
     # χ² of 100: 100 ± √200, 4 sigma.
     assert abs((away**2).sum() - 100) < 4 * np.sqrt(200)

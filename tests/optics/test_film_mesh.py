@@ -118,6 +118,12 @@ def test_an_overhang_is_refused(tmp_path, facets):
     assert "overhangs" in text and "mm" in text
 
 
+def test_a_film_whose_valley_touches_its_underside_is_refused(tmp_path):
+    x, z = row([BARE] * 2, 0.0)
+    text = refused(write_facets(tmp_path / "a.stl", extruded(x, z, 0.1)))
+    assert "touches itself at (0.025, " in text
+
+
 def test_a_film_that_does_not_repeat_is_refused(tmp_path):
     x, z = row([BARE] * 2, 0.15)
     z[-1] += 0.001

@@ -83,3 +83,18 @@ def test_the_normal_luminance_is_the_same_all_over_the_panel(tmp_path):
         for x in (10.0, 385.0)
     )  # fmt: skip
     within(near.radiance, far.radiance[0], np.hypot(near.radiance_error, far.radiance_error), 4)
+
+
+def test_the_energy_of_a_whole_panel_closes(tmp_path):
+    # 7,845 grooves, 12 lamps one of which is dim, walls: each loss has its name.
+    mesh = panel(tmp_path, 392.25, 6)
+    given = {"extent": "panel", "lamp_3_luminance_factor": 0.5, "lamp_length_mm": 690.0}
+    stack = read_stack("thesis-32in-mpf", overrides=given)
+    elements = stack.elements(mesh, -stack.lamp_position(stack.central_lamp))
+    tally = trace(build_scene(elements), Source(LAMPS, np.zeros(1), 0.0), 150, seed=55)
+    flow = tally.fraction
+    assert flow.sum() == pytest.approx(1, abs=1e-12)
+    assert flow[DOWN] == flow[LOST] == 0
+    assert tally.fraction_error[ROULETTE] < 1e-3
+    within(flow[ROULETTE], 0.0, tally.fraction_error[ROULETTE], 5)
+    assert flow[WALLS] > 0.01 and flow[RIM] > 0.005 and flow[UP] > 0.4

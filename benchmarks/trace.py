@@ -1,0 +1,259 @@
+"""The tracer beside Mitsuba 3 (llvm), raysect and Embree, by turns in one run, in CPU seconds.
+
+`python benchmarks/trace.py [--quick] [--json]`. Ours always traces the whole film; Mitsuba gets it
+as users would (*mesh*: all grooves of a lamp's pitch) and, where named, as the best case of a
+renderer (*cell*: two pitches between perfect mirrors). Both figures of a pair are printed with what
+they measure, so that equal answers can be seen. Peers come from the extra `benchmark`; one that is
+not installed is named as absent. Mitsuba looks for LLVM's library: DRJIT_LIBLLVM_PATH names it.
+"""
+
+import argparse
+import importlib.util
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from trace_peers import (
+    embree_closest,
+    mitsuba_film,
+    mitsuba_stack,
+    raysect_film,
+)
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from harness import CONCAVE, film_file, write_facets
+
+GROOVES, PANEL, CELLS = 654, 7846, 707
+STACK = "thesis-32in-mpf"
+
+
+def pyramids(path, cells):
+    """Write a field of pyramids of 50 µm, four facets each, on a plain base."""
+    step = np.arange(cells + 1) * 0.05
+    x, y = (v.ravel() for v in np.meshgrid(step[:-1], step[:-1], indexing="ij"))
+    corner = [np.stack([x + a, y + b, np.full_like(x, 0.15)], axis=1)
+              for a, b in ((0, 0), (0.05, 0), (0.05, 0.05), (0, 0.05))]  # fmt: skip
+    tip = np.stack([x + 0.025, y + 0.025, np.full_like(x, 0.175)], axis=1)
+    facets = [np.stack([corner[k], corner[(k + 1) % 4], tip], axis=1) for k in range(4)]
+    end = step[-1]
+    edge = [np.stack([step, 0 * step], 1), np.stack([0 * step + end, step], 1)]
+    rim = np.concatenate([edge[0][:-1], edge[1][:-1], (end - edge[0])[:-1], (end - edge[1])[:-1]])
+    p, q = (np.c_[r, 0 * r[:, 0]] for r in (rim, np.roll(rim, -1, axis=0)))
+    r, s = (v + np.array([0, 0, 0.15]) for v in (p, q))
+    centre = np.broadcast_to([end / 2, end / 2, 0.0], p.shape)
+    sides = [np.stack(t, axis=1) for t in ((centre, q, p), (p, q, s), (p, s, r))]
+    return write_facets(path, np.concatenate(facets + sides))
+
+
+def ours(path, kind, rho=None):
+    """Return trace(n, seed) → (mean, standard error, paths) of a film between black halves."""
+    from mpfcad.optics.engine import BLOCK, EYE, LAMBERTIAN_BELOW, Source, trace
+    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.scene import Cavity, Film, build_scene
+
+    mesh = read_film_mesh(path)
+    place = np.full(32, mesh.size[0] / 2)
+    film = Film(mesh, 1.5)
+    if rho is None:
+        scene = build_scene([film], below=1.0)
+    else:
+        # Lamps so thin and far that none is met: what the reflector absorbs of a meter's unit is
+        # (1-ρ) times its luminance, if it shone with radiance 1.
+        cavity = Cavity(1.0, 1e6, 5e5, 0.5, 1e-6, 0.0, 0.0, rho, 0.0)
+        scene = build_scene([cavity, film])
+
+    def run(n, seed):
+        blocks = max(1, n // (BLOCK * len(place)))
+        where = LAMBERTIAN_BELOW if kind == "transmittance" else EYE
+        tally = trace(scene, Source(where, place, 0.05), blocks, seed=seed)
+        share, error = tally.fraction, tally.fraction_error
+        if rho is not None:
+            return share[5] / (1 - rho), error[5] / (1 - rho), tally.total_paths
+        if kind == "transmittance":
+            return share[0], error[0], tally.total_paths
+        error = np.sqrt((tally.radiance_error**2).mean() / len(place))
+        return tally.radiance.mean(), error, tally.total_paths
+
+    return run
+
+
+def spent(call, *arguments):
+    start = time.process_time()
+    result = call(*arguments)
+    return result, time.process_time() - start
+
+
+def entry(name, ours, unit, *, peer=None, ratio=None, goal=None):
+    met = None if goal is None or ratio is None else ratio >= goal
+    return {"name": name, "ours": ours, "peer": peer, "unit": unit, "ratio": ratio,
+            "goal": goal and f"≥ {goal}×", "met": met}  # fmt: skip
+
+
+def race(name, mine, theirs, counts, rounds, goal):
+    """Trace by turns; yield paths a CPU second of both, and the two figures."""
+    mine(1, 1), theirs(counts[1], 1)
+    rates, figures = ([], []), ([], [])
+    for seed in range(2, 2 + rounds):
+        for k, tracer in enumerate((mine, theirs)):
+            result, cpu = spent(tracer, counts[k], seed)
+            rates[k].append((result[2] if k == 0 else counts[k]) / cpu)
+            figures[k].append(result[:2])
+    best = [max(r) / 1e3 for r in rates]
+    yield entry(name, best[0], "k/s", peer=best[1], ratio=best[0] / best[1], goal=goal)
+    values = [np.mean([f[0] for f in fig]) for fig in figures]
+    errors = [np.sqrt(np.sum([f[1] ** 2 for f in fig])) / len(fig) for fig in figures]
+    away = abs(values[0] - values[1]) / np.hypot(*errors)
+    yield entry(f"    figures; {away:.1f} σ apart", values[0], "", peer=values[1])
+
+
+def film_rows(folder, quick, present):
+    path = film_file(folder / "film.stl", [CONCAVE] * GROOVES, length=20.0)
+    cell = film_file(folder / "cell.stl", [CONCAVE] * 8, length=0.4)
+    scale = 1 if quick else 4
+    for kind in ("transmittance", "normal luminance"):
+        lambertian = kind == "transmittance"
+        for what, file, mirrors, goal in (("mesh", path, False, 5), ("cell", cell, True, None)):
+            name = f"film, {kind}, beside Mitsuba ({what})"
+            if not present["mitsuba"]:
+                yield entry(f"{name}: absent", None, "k/s")
+                continue
+            peer = mitsuba_film(file, 1.5, lambertian, mirrors=mirrors)
+            counts = (scale * 1_000_000, scale * 500_000)
+            yield from race(name, ours(path, kind), peer, counts, 3, goal)
+        if not present["raysect"]:
+            yield entry(f"film, {kind}, beside raysect: absent", None, "k/s")
+            continue
+        peer = raysect_film(path, 1.5, lambertian)
+        counts = (scale * 1_000_000, scale * 10_000)
+        yield from race(f"film, {kind}, beside raysect", ours(path, kind), peer, counts, 2, 12)
+    name = "film over a 95 % white reflector beside Mitsuba (mesh)"
+    if not present["mitsuba"]:
+        yield entry(f"{name}: absent", None, "k/s")
+        return
+    peer = mitsuba_film(path, 1.5, False, reflectance=0.95)
+    counts = (scale * 300_000, scale * 200_000)
+    yield from race(name, ours(path, "luminance", rho=0.95), peer, counts, 3, 6)
+
+
+def pyramid_rows(folder, quick, present):
+    cells = 400 if quick else CELLS
+    path = pyramids(folder / "pyramids.stl", cells)
+    name = f"pyramids, {4 * cells * cells:,} facets, transmittance, beside Mitsuba"
+    if not present["mitsuba"]:
+        yield entry(f"{name}: absent", None, "k/s")
+        return
+    peer = mitsuba_film(path, 1.5, True, top=190.0)
+    yield from race(name, ours(path, "transmittance"), peer, (300_000, 300_000), 3, 1.5)
+
+
+def closest_rows(folder, quick, present):
+    from mpfcad.optics.bvh import build_bvh, closest_facets
+    from mpfcad.optics.mesh import read_film_mesh
+
+    path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES if quick else PANEL), length=20.0)
+    name = "closest hit by the tree, beside Embree's robust single rays"
+    if not present["embreex"]:
+        yield entry(f"{name}: absent", None, "k/s")
+        return
+    mesh = read_film_mesh(path)
+    tree = build_bvh(mesh)
+    vertex, facet = mesh.vertex, mesh.top
+    peer = embree_closest(vertex - [mesh.size[0] / 2, mesh.size[1] / 2, 0.0], facet)
+    random = np.random.default_rng(1).random((200_000, 4))
+    origin = random[:, :3] * [mesh.size[0], mesh.size[1], 0.0]
+    k, phi = np.sqrt(random[:, 2]), 2 * np.pi * random[:, 3]
+    direction = np.stack([k * np.cos(phi), k * np.sin(phi), np.sqrt(1 - k * k)], axis=1)
+    local = (origin - [mesh.size[0] / 2, mesh.size[1] / 2, 0.0]).astype(np.float32)
+    narrow = direction.astype(np.float32)
+    hits = np.empty(len(origin), np.int64)
+    closest_facets(tree, origin[:10], direction[:10], hits[:10])
+    best = [0.0, 0.0]
+    for _ in range(3):
+        _, cpu = spent(closest_facets, tree, origin, direction, hits)
+        best[0] = max(best[0], len(hits) / cpu / 1e3)
+        _, cpu = spent(peer, local, narrow)
+        best[1] = max(best[1], len(hits) / cpu / 1e3)
+    yield entry(name, best[0], "k/s", peer=best[1], ratio=best[0] / best[1], goal=0.9)
+
+
+def stack_rows(folder, quick, present):
+    """Time to a contrast half-width of 0.001: CPU a path times variance a path, of both.
+
+    The half-width goes as the standard error of a point, so from a run's CPU and errors follows
+    what a given half-width costs: measured for ours at 0.004 or 0.002, and scaled for both.
+    """
+    from mpfcad.backlight import read_stack
+    from mpfcad.measure import contrast_of_harmonics, fit_harmonics
+    from mpfcad.optics.engine import EYE, Source, trace
+    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.scene import build_scene
+
+    path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES * 5), length=200.0)
+    stack = read_stack(STACK)
+    elements = stack.elements(read_film_mesh(path))
+    scene = build_scene(elements)
+    position = np.linspace(0, 1, 33)
+    source = Source(EYE, position * stack.lamp_pitch, 1.0)
+    blocks = 60 if quick else 240
+    trace(scene, source, 1)
+    tally, cpu = spent(lambda: trace(scene, source, blocks, seed=2))
+    fit = fit_harmonics(position, tally.radiance, tally.radiance_error)
+    reached = contrast_of_harmonics(fit).half_width
+    mine = cpu * (reached / 0.001) ** 2
+    name = "MPF stack, CPU to contrast half-width 0.001, beside Mitsuba"
+    if not present["mitsuba"]:
+        yield entry(f"{name}: absent", mine, "s")
+        return
+    points = position[::8]
+    tracers = mitsuba_stack(path, elements, points)
+    n = 100_000 if quick else 400_000
+    tracers[0](n, 1)
+    cost, values = 0.0, []
+    for i, tracer in enumerate(tracers):
+        (mean, error), peer_cpu = spent(tracer, n, 2 + i)
+        values.append(mean)
+        # What one point costs at unit relative variance, beside ours at the same point.
+        cost += peer_cpu * (error / mean) ** 2 / len(tracers)
+    relative = np.mean((tally.radiance_error / tally.radiance)[::8] ** 2)
+    own = cpu / len(position) * relative
+    yield entry(name, mine, "s", peer=mine * cost / own, ratio=cost / own, goal=5)
+    yield entry("    mean normal luminance", tally.radiance[::8].mean(), "cd/m²",
+                peer=np.mean(values))  # fmt: skip
+    rates = (tally.total_paths / cpu / 1e3, n / peer_cpu / 1e3)
+    yield entry("    paths traced", rates[0], "k/s", peer=rates[1])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="fewer paths, smaller meshes")
+    parser.add_argument("--json", action="store_true", help="print a list instead of a table")
+    parser.add_argument("--only", help="film, pyramid, closest or stack")
+    given = parser.parse_args()
+    names = ("mitsuba", "raysect", "embreex")
+    present = {name: importlib.util.find_spec(name) is not None for name in names}
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        for scene in (film_rows, pyramid_rows, closest_rows, stack_rows):
+            if given.only and not scene.__name__.startswith(given.only):
+                continue
+            for row in scene(Path(name), given.quick, present):
+                rows.append(row)
+                if not given.json:
+                    show(row)
+    if given.json:
+        print(json.dumps(rows, indent=1, ensure_ascii=False, default=float))
+
+
+def show(row):
+    cells = [f"{row[key]:.5g}" if row[key] is not None else "–" for key in ("ours", "peer")]
+    times = f"{row['ratio']:.1f}×" if row["ratio"] else ""
+    met = {True: "met", False: "NOT MET", None: ""}[row["met"]]
+    print(f"{row['name']:70} {cells[0]:>9} {cells[1]:>9} {row['unit']:5} {times:>7}  "
+          f"{row['goal'] or '':8} {met}", flush=True)  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

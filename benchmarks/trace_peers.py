@@ -1,0 +1,249 @@
+"""The scenes of trace.py in other renderers; each returns a function that traces n paths.
+
+Mitsuba counts in µm, so that its ray offsets stay small beside a facet. Its rays are fed straight
+to the path integrator: a sensor's own shape would throw light back into the film.
+"""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+PITCH = 50.0  # µm
+
+
+def read_mesh(path):
+    """Return vertices (v, 3) [mm] about the middle of the mesh, z from below, and facets."""
+    record = np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
+    corner = np.fromfile(path, record, offset=84)["v"].reshape(-1, 3).astype(float)
+    low, high = corner.min(axis=0), corner.max(axis=0)
+    # The middle over a tip, whatever the number of grooves.
+    middle = np.array([round((high[0] - low[0]) / 2 / 0.05) * 0.05, (high[1] - low[1]) / 2, 0.0])
+    vertex, facet = np.unique(corner - low - middle, axis=0, return_inverse=True)
+    return vertex, facet.reshape(-1, 3)
+
+
+def _mitsuba_mesh(mi, path, index):
+    vertex, facet = read_mesh(path)
+    record = np.zeros(len(facet), [("count", "u1"), ("vertex", "<i4", 3)])
+    record["count"], record["vertex"] = 3, facet
+    with tempfile.TemporaryDirectory() as folder:
+        ply = Path(folder) / "film.ply"
+        header = (
+            "ply\nformat binary_little_endian 1.0\nelement vertex "
+            f"{len(vertex)}\nproperty float x\nproperty float y\nproperty float z\nelement face "
+            f"{len(facet)}\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+        ply.write_bytes(header.encode() + (vertex * 1e3).astype("<f4").tobytes() + record.tobytes())
+        glass = {"type": "dielectric", "int_ior": index, "ext_ior": 1.0}
+        return mi.load_dict(
+            {"type": "ply", "filename": str(ply), "face_normals": True, "bsdf": glass}
+        )
+
+
+def mitsuba():
+    """Return Mitsuba with its vectorised variant."""
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    return mi
+
+
+def _plane(mi, z, half, **more):
+    to_world = mi.ScalarTransform4f().translate([0, 0, z]).scale([half, half, 1])
+    return {"type": "rectangle", "to_world": to_world, **more}
+
+
+def _tracer(mi, scene, origin, direction):
+    """Return trace(n, seed) → (mean, standard error) for rays from origin(u), direction(v)."""
+    import drjit as dr
+
+    integrator = mi.load_dict({"type": "path", "max_depth": 2000, "rr_depth": 1000})
+
+    def trace(n, seed):
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(seed, n)
+        ray = mi.Ray3f(origin(sampler.next_2d()), direction(sampler.next_2d()))
+        found, _, _ = integrator.sample(scene, sampler, mi.RayDifferential3f(ray))
+        value = np.array(dr.ravel(found.y), float)
+        return value.mean(), value.std() / np.sqrt(n)
+
+    return trace
+
+
+def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=False, top=180.0):
+    """Put a film over an emitter of radiance 1 and a reflectance, between black halves otherwise.
+
+    With mirrors only two pitches about the middle are left, between perfect mirrors.
+    """
+    mi = mitsuba()
+    light = {
+        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 1.0}},
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}},
+    }
+    world = {"type": "scene", "film": _mitsuba_mesh(mi, path, index)}
+    world["light"] = _plane(mi, -1.0, 3e5, **light)
+    if mirrors:
+        for i, (axis, angle) in enumerate((((0, 1, 0), 90), ((1, 0, 0), 90))):
+            for side in (-1, 1):
+                place = [0, 0, 100]
+                place[i] = side * PITCH
+                turn = mi.ScalarTransform4f().translate(place).rotate(axis, angle).scale(500)
+                world[f"mirror{i}{side}"] = {
+                    "type": "rectangle", "to_world": turn,
+                    "bsdf": {"type": "twosided", "bsdf": {"type": "conductor", "material": "none"}},
+                }  # fmt: skip
+
+    def origin(u):
+        return mi.Point3f((u.x - 0.5) * PITCH, (u.y - 0.5) * PITCH, top)
+
+    def direction(v):
+        if not lambertian:
+            return mi.Vector3f(0, 0, -1)
+        d = mi.warp.square_to_cosine_hemisphere(v)
+        return mi.Vector3f(d.x, d.y, -d.z)
+
+    return _tracer(mi, mi.load_dict(world), origin, direction)
+
+
+def _sheet_class(mi):
+    """Return the tracer's own sheet as a BSDF in Python, which the vectorised variant compiles."""
+    import drjit as dr
+
+    class Sheet(mi.BSDF):
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.sigma, self.index = props["sigma"], props["index"]
+            self.survival = props["transmission"]
+            flag = mi.BSDFFlags
+            both = flag.FrontSide | flag.BackSide
+            self.m_components = [flag.DeltaTransmission | both, flag.DeltaReflection | both]
+            self.m_flags = self.m_components[0] | self.m_components[1]
+
+        def sample(self, ctx, si, one, two, active=True):
+            radius = dr.sqrt(-2 * dr.log(1 - two.x))
+            sine, cosine = dr.sincos(2 * dr.pi * two.y)
+            kx = -si.wi.x + self.sigma * radius * cosine
+            ky = -si.wi.y + self.sigma * radius * sine
+            rest = 1 - kx * kx - ky * ky
+            kz = dr.sqrt(dr.maximum(rest, 0))
+            r1, r2 = (mi.fresnel(c, self.index)[0] for c in (dr.abs(si.wi.z), kz))
+            passed = (rest > 0) & (one < (1 - r1) * (1 - r2) / (1 - r1 * r2))
+            through = mi.Vector3f(kx, ky, -dr.mulsign(kz, si.wi.z))
+            back = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
+            sample = mi.BSDFSample3f()
+            sample.wo = dr.select(passed, through, back)
+            sample.pdf, sample.eta = 1.0, 1.0
+            sample.sampled_type = dr.select(
+                passed, mi.UInt32(+mi.BSDFFlags.DeltaTransmission),
+                mi.UInt32(+mi.BSDFFlags.DeltaReflection),
+            )  # fmt: skip
+            sample.sampled_component = dr.select(passed, mi.UInt32(0), mi.UInt32(1))
+            return sample, mi.Color3f(self.survival) & active
+
+        def eval(self, ctx, si, wo, active=True):
+            return mi.Color3f(0)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return mi.Float(0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            return mi.Color3f(0), mi.Float(0)
+
+    return Sheet
+
+
+def mitsuba_stack(path, stack, points):
+    """Build the MPF stack of lamps, reflector, clear plate, sheet, film, sheet.
+
+    The sheets are 0.01 mm from the film, the lamps and the film end with the panel and
+    the faces of the plate are those of a box. Lamps are emitters that next-event estimation knows.
+    """
+    mi = mitsuba()
+    mi.register_bsdf("sheet", _sheet_class(mi))
+    cavity, plate, bottom, film, top = stack
+    mm, half = 1e3, 2e5
+    pitch = cavity.lamp_pitch
+    grey = {"type": "rgb", "value": cavity.reflectance}
+    # Heights count from the film: Mitsuba's ray offset is 9e-5 of the largest coordinate.
+    floor = -cavity.height * mm - plate.thickness * mm - 20
+    world = {"type": "scene", "reflector": _plane(mi, floor, half, bsdf={
+        "type": "blendbsdf", "weight": cavity.specular_fraction,
+        "diffuse": {"type": "diffuse", "reflectance": grey},
+        "mirror": {"type": "conductor", "material": "none", "specular_reflectance": grey},
+    })}  # fmt: skip
+    for i in range(-6, 6):
+        x, z = (i + 0.5) * pitch * mm, floor + cavity.lamp_height * mm
+        ends = [[x, y, z] for y in (-half, half)]
+        world[f"lamp{i + 6}"] = {
+            "type": "cylinder", "p0": ends[0], "p1": ends[1], "radius": cavity.lamp_radius * mm,
+            "emitter": {"type": "area",
+                        "radiance": {"type": "rgb", "value": cavity.lamp_luminance}},
+            "bsdf": {"type": "diffuse",
+                     "reflectance": {"type": "rgb", "value": cavity.lamp_reflectance}},
+        }  # fmt: skip
+    z = floor + cavity.height * mm
+    box = mi.ScalarTransform4f().translate([0, 0, z + plate.thickness * mm / 2])
+    world["plate"] = {
+        "type": "cube", "to_world": box.scale([half, half, plate.thickness * mm / 2]),
+        "bsdf": {"type": "dielectric", "int_ior": plate.index, "ext_ior": 1.0},
+    }  # fmt: skip
+
+    def sheet(element):
+        return {"type": "sheet", "sigma": element.sigma, "index": element.index,
+                "transmission": element.transmission}  # fmt: skip
+
+    z += plate.thickness * mm + 10
+    world["bottom"] = _plane(mi, z, half, bsdf=sheet(bottom))
+    world["film"] = _mitsuba_mesh(mi, path, film.index)
+    z = world["film"].bbox().max.z + 10
+    world["top"] = _plane(mi, z, half, bsdf=sheet(top))
+    scene = mi.load_dict(world)
+
+    def trace_at(u):
+        x = (u * pitch - pitch / 2) * mm
+        return _tracer(
+            mi, scene,
+            lambda s: mi.Point3f(x + (s.x - 0.5) * mm, (s.y - 0.5) * PITCH, z + 10),
+            lambda v: mi.Vector3f(0, 0, -1),
+        )  # fmt: skip
+
+    return [trace_at(u) for u in points]
+
+
+def raysect_film(path, index, lambertian):
+    """Put a film over an emitter of radiance 1; raysect follows one ray at a time."""
+    from raysect.optical import ConstantSF, Point3D, Ray, Vector3D, World
+    from raysect.optical.material import Dielectric, UniformSurfaceEmitter
+    from raysect.primitive import Box, Mesh
+
+    vertex, facet = read_mesh(path)
+    world = World()
+    glass = Dielectric(ConstantSF(index), ConstantSF(1.0))
+    keep = [Mesh(vertex, facet, smoothing=False, parent=world, material=glass)]
+    light = UniformSurfaceEmitter(ConstantSF(1.0))
+    keep.append(Box(Point3D(-99, -99, -1), Point3D(99, 99, -0.001), parent=world, material=light))
+
+    def trace(n, seed):
+        random = np.random.default_rng(seed).random((n, 4))
+        value = np.empty(n)
+        for i, (a, b, c, d) in enumerate(random):
+            k, phi = (np.sqrt(c), 2 * np.pi * d) if lambertian else (0.0, 0.0)
+            down = Vector3D(k * np.cos(phi), k * np.sin(phi), -np.sqrt(1 - k * k))
+            start = Point3D((a - 0.5) * 0.05, (b - 0.5) * 0.05, 0.3)
+            ray = Ray(start, down, min_wavelength=500, max_wavelength=501, bins=1, max_depth=1000,
+                      extinction_prob=1e-9, extinction_min_depth=900)  # fmt: skip
+            value[i] = ray.trace(world).samples[0]
+        return value.mean(), value.std() / np.sqrt(n), keep
+
+    return trace
+
+
+def embree_closest(vertex, facet):
+    """Return closest(origins, directions) → facets, one robust ray at a time."""
+    from embreex import rtcore_scene
+    from embreex.mesh_construction import TriangleMesh
+
+    scene = rtcore_scene.EmbreeScene(robust=True)
+    TriangleMesh(scene, vertex[facet].astype(np.float32))
+    return lambda origin, direction: scene.run(origin, direction)

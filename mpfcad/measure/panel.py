@@ -1,0 +1,101 @@
+"""The luminance of the whole panel, with its corners: a map of cells over a finite backlight."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.measure.contrast import Estimate
+from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.uniformity import middle
+
+#: Cells across the lamps for each lamp, and along them over the panel.
+CELLS_A_LAMP, CELLS_ALONG = 4, 24
+_FIGURE = "cell ± {:.4f} of the mean"
+
+
+@dataclass(frozen=True, eq=False)
+class PanelResult:
+    """Normal luminance of cells that cover the panel, each averaged over itself.
+
+    Attributes
+    ----------
+    across, along
+        (n,), (24,) float64 [mm], the cells' middles from the panel's left and near edge
+    luminance, standard_error
+        (n, 24) float64 [cd/m²]
+    corner
+        luminance of the four corner cells over the middle's: left near, left far, right near, right
+        far; the middle is a lamp pitch of cells by two
+    paths
+        backward paths traced
+    """
+
+    across: NDArray[np.float64]
+    along: NDArray[np.float64]
+    luminance: NDArray[np.float64]
+    standard_error: NDArray[np.float64]
+    corner: tuple[Estimate, Estimate, Estimate, Estimate]
+    paths: int
+
+
+def check_finite(lit: Lit) -> None:
+    """Refuse to look for corners where there are none.
+
+    Raises
+    ------
+    InputError
+        when the stack repeats without end.
+    """
+    if not lit.is_finite:
+        raise InputError(
+            f"{lit.stack.name}: extent: {lit.stack.extent}: must be panel to measure the panel"
+        )
+
+
+def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
+    """Return the map of a finite panel; `error_goal`: of a cell, relative, root mean square.
+
+    Raises
+    ------
+    InputError
+        when the stack repeats without end.
+    """
+    from mpfcad.optics.engine import EYE, Source
+
+    check_finite(lit)
+    stack = lit.stack
+    n, m = CELLS_A_LAMP * stack.lamp_count, CELLS_ALONG
+    width, length = stack.panel_width / n, stack.panel_length / m
+    across, along = (np.arange(n) + 0.5) * width, (np.arange(m) + 0.5) * length
+    source = Source(
+        EYE,
+        middle(lit) - stack.panel_width / 2 + np.repeat(across, m),
+        width,
+        acceptance=stack.acceptance,
+        along=np.tile(along, n) - stack.panel_length / 2,
+        spot_along=length,
+    )
+    tally = trace_rounds(
+        lit,
+        source,
+        run,
+        lambda t: float(np.sqrt(np.mean(t.radiance_error**2)) / np.mean(t.radiance)),
+        error_goal,
+        _FIGURE,
+    )
+    value, error = tally.radiance.reshape(n, m), tally.radiance_error.reshape(n, m)
+    corners = tuple(_over_middle(value, error, i, k) for i in (0, -1) for k in (0, -1))
+    return PanelResult(across, along, value, error, corners, tally.total_paths)
+
+
+def _over_middle(value: NDArray, error: NDArray, i: int, k: int) -> Estimate:
+    n, m = (size // 2 for size in value.shape)
+    half = CELLS_A_LAMP // 2
+    part = (slice(n - half, n + half), slice(m - 1, m + 1))
+    centre = value[part].mean()
+    centre_error = np.sqrt((error[part] ** 2).sum()) / value[part].size
+    share = value[i, k] / centre
+    relative = np.hypot(error[i, k] / value[i, k], centre_error / centre)
+    return Estimate.normal(float(share), float(share * relative))

@@ -1,0 +1,278 @@
+"""The search of a design's map: constraints and model from its tables, full traces on demand."""
+
+import hashlib
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.design import (
+    ROWS,
+    Constraint,
+    Goal,
+    Iteration,
+    Response,
+    Traced,
+    best_of,
+    correction_of,
+    estimate_operators,
+    find_optimum,
+    find_reach,
+    predict,
+    search_by_inversion,
+    search_by_response,
+)
+from mpfcad.errors import InputError
+from mpfcad.export import canonical_json, write_text
+from mpfcad.film import Groove, Process
+from mpfcad.job import build_job
+from mpfcad.job.design import Design
+from mpfcad.pipeline.design_state import KeptTraces, trace_seed
+from mpfcad.pipeline.effort import NO_GOAL
+from mpfcad.pipeline.make import write_cad
+from mpfcad.pipeline.plan import Plan, read_job_process, read_job_stack, read_plan
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.record import versions
+from mpfcad.pipeline.screen import mask_rules
+
+#: What the luminance is worth against contrast when it is to be the most within a contrast.
+_LUMINANCE_FIRST = 0.2
+#: Largest distance [1/mm] of the curvatures at which the film is traced alone.
+_NODE_STEP = 6.0
+#: Curvatures that a mould of an `ideal` film may have unless the design says otherwise [1/mm].
+IDEAL_CURVATURE_MAX = 100.0
+#: Share of the printable range of aperture ratio left to the rounding of the mask.
+_RATIO_MARGIN = 0.01
+_UNIFORM_FILMS = 7
+#: A map free of the design's own smoothness: harmonics, and change of C [1/mm per mm].
+FREE_HARMONICS, FREE_CHANGE = 10, 1000.0
+#: Half the distance [mm] between the two rows at a step of a map of levels.
+_STEP = 1e-6
+
+
+class DesignWork:
+    """A design being searched."""
+
+    def __init__(
+        self, design: Design, file: Path, out: Path, threads: int, progress: Progress
+    ) -> None:
+        self.design, self.file, self.threads, self.progress = design, file, threads, progress
+        job = build_job(design.job_document("map.csv"), str(file))
+        self.stack = read_job_stack(job, file)
+        self.groove = Groove(design.film.pitch, design.film.depth)
+        calibration = design.process.calibration
+        self.process = read_job_process(
+            job, None if calibration is None else file.parent / calibration, self.groove, str(file)
+        )
+        self.pitch = self.stack.lamp_pitch
+        self.constraint = self._constraint()
+        self.goal = self._goal()
+        self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
+        self.model: dict[str, Any] | None = None
+        self.reach: dict[str, Any] | None = None
+
+    def _key(self) -> str:
+        """Return a hash of what the traces of given rows depend on."""
+        document = self.design.document()
+        inputs = {
+            "seed": self.design.seed,
+            "paths": self.design.search.paths_million,
+            "film": document["film"],
+            "cad": document["cad"],
+            "stack": self.stack.inputs(),
+            "layers": list(self.stack.layers),
+            "versions": versions(),
+        }
+        return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
+
+    def _constraint(self) -> Constraint:
+        """Return the constraints, the printable range of C among them."""
+        table = self.design.constraint
+        low, high = table.curvature_min_per_mm, table.curvature_max_per_mm
+        if self.process is not None:
+            printable = printable_range(self.process, self.design)
+            low, high = max(low, printable[0]), min(high or np.inf, printable[1])
+        high = high or IDEAL_CURVATURE_MAX
+        if high - low < 1e-3:
+            raise InputError(
+                f"{self.file}: constraint.curvature_max_per_mm: {high:.4g}: must be above the "
+                f"smallest curvature {low:.4g}, of the constraint and of what can be printed"
+            )
+        return Constraint(low, high, table.change_max_per_mm2, table.harmonics)
+
+    def _goal(self) -> Goal:
+        table, shift = self.design.goal, self.design.constraint.registration_mm
+        if table.aim == "contrast":
+            return Goal(registration=shift)
+        if table.aim == "trade":
+            return Goal(luminance_weight=table.luminance_weight, registration=shift)
+        # Half the target is left to the interval of the trace.
+        return Goal(table.contrast_target / 2, _LUMINANCE_FIRST, shift)
+
+    def search(self) -> list[Iteration]:
+        """Return the traced maps."""
+        table, constraint = self.design.search, self.constraint
+        stop = {
+            "iterations": table.iterations,
+            "contrast_target": self.design.goal.contrast_target,
+            "finish": self._levelled,
+        }
+        if table.method == "thesis":
+            spread = np.linspace(constraint.curvature_min, constraint.curvature_max, _UNIFORM_FILMS)
+            uniform = table.uniform_per_mm or [float(f"{c:.4g}") for c in spread]
+            return search_by_inversion(uniform, constraint, self.pitch, self.trace, **stop)
+        response = self._response()
+        done = search_by_response(response, constraint, self.goal, self.pitch, self.trace, **stop)
+        self.reach = self._reach(response, done)
+        return done
+
+    def _reach(self, response: Response, done: list[Iteration]) -> dict[str, Any]:
+        """Return what any map reaches; where no map is good enough, its best one is traced too."""
+        self.progress.stage("finding what any map reaches")
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        best, target = self.best(done), self.design.goal.contrast_target
+        correction = correction_of(done, response)
+        reach = find_reach(response, correction, low, high)
+        found: dict[str, Any] = {
+            "luminance_ratio": list(reach.ratio),
+            "contrast_bound": reach.contrast,
+            "traced": None,
+            "free_contrast": None,
+        }
+        if best.traced.contrast_low > target:
+            free = Constraint(low, high, FREE_CHANGE, FREE_HARMONICS)
+            start = np.zeros(FREE_HARMONICS + 1)
+            count = min(len(best.series), len(start))
+            start[:count] = best.series[:count]
+            series = find_optimum(start, response, correction, free, Goal(), self.pitch)
+            found["free_contrast"] = predict(series, response, correction).contrast
+        if reach.contrast > target:
+            rows = reach.rows[1 if reach.ratio[1] < 1 else 0]
+            traced = self.trace(rows, "the map of the extreme ratio", len(done))
+            found["traced"] = {
+                "curvature_per_mm": [float(c) for c in rows],
+                "luminance_ratio": traced.luminance_ratio,
+                "paths": traced.paths,
+            }
+        return found
+
+    def _response(self) -> Response:
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
+        operators = estimate_operators(
+            self.stack,
+            self.groove,
+            self.design.film.base,
+            self.design.film.profile,
+            node,
+            seed=self.design.seed,
+            threads=self.threads,
+            progress=self.progress.stage,
+        )
+        self.model = {
+            "curvatures_per_mm": [float(c) for c in node],
+            "film_passages": operators.passages,
+            "world_segments": operators.segments,
+        }
+        self.progress.stage("searching in the model")
+        return Response(operators)
+
+    def _levelled(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return rows at the design's levels of aperture ratio (`ideal`: of curvature)."""
+        levels = self.design.constraint.levels
+        if levels is None:
+            return rows
+        process = self.process
+        value = rows if process is None else process.aperture_ratio_of_curvature(rows)
+        level = np.linspace(value.min(), value.max(), levels)
+        value = level[np.argmin(np.abs(value[:, None] - level), axis=1)]
+        return value if process is None else process.curvature(value)
+
+    def trace(self, rows: NDArray[np.float64], label: str, number: int) -> Traced:
+        """Return what a full trace of the map's mesh says, from the kept traces if it is there."""
+        kept = self.state.find(number, rows)
+        if kept is not None:
+            return kept
+        self.progress.stage(f"tracing {label}")
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            plan = self._plan(folder, rows)
+            write_cad(plan, folder, ("stl",), SILENT)
+            traced = self._trace_mesh(folder / "film.stl", plan, number)
+        self.state.keep(number, rows, traced)
+        return traced
+
+    def _trace_mesh(self, mesh: Path, plan: Plan, number: int) -> Traced:
+        from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+
+        run = TraceRun(
+            seed=trace_seed(self.design.seed, number),
+            threads=self.threads,
+            path_limit=round(self.design.search.paths_million * 1e6),
+            progress=self.progress.trace,
+        )
+        lit = light_film(self.stack, mesh, plan.offset)
+        found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
+        contrast, mean = found.contrast, found.mean_luminance
+        return Traced(
+            contrast.value,
+            contrast.low,
+            contrast.high,
+            mean.value,
+            mean.standard_error,
+            tuple(map(float, found.fit.coefficient)),
+            found.paths,
+        )
+
+    def _plan(self, folder: Path, rows: NDArray[np.float64]) -> Plan:
+        """Return the plan of the job that a map would have."""
+        file = folder / "map.csv"
+        self.write_map(file, rows)
+        document = self.design.job_document(str(file.resolve()))
+        return read_plan(build_job(document, str(self.file)), self.file)
+
+    def write_map(self, file: Path, rows: NDArray[np.float64]) -> None:
+        """Write rows of C [1/mm] as a curvature map over one lamp pitch."""
+        position = np.linspace(0, self.pitch, ROWS)
+        if self.design.constraint.levels is not None:
+            edge = (position[1:] + position[:-1])[np.diff(rows) != 0] / 2
+            after = rows[1:][np.diff(rows) != 0]
+            before = rows[:-1][np.diff(rows) != 0]
+            position = np.concatenate([position, edge - _STEP, edge + _STEP])
+            rows = np.concatenate([rows, before, after])
+            order = np.argsort(position, kind="stable")
+            position, rows = position[order], rows[order]
+        lines = [f"{x:.6f},{c:.6f}" for x, c in zip(position, rows, strict=True)]
+        write_text(file, "\n".join(["position_mm,curvature_per_mm", *lines, ""]))
+
+    def write_job(self, folder: Path, rows: NDArray[np.float64], back: str) -> None:
+        """Write the job and its map; `back` leads from the folder to the design's own."""
+        import tomli_w
+
+        name = self.design.name
+        self.write_map(folder / f"{name}.csv", rows)
+        document = self.design.job_document(f"{name}.csv")
+        for table, key in (("process", "calibration"), ("stack", "file")):
+            file = document.get(table, {}).get(key)
+            if file is not None:
+                document[table][key] = str(Path(back) / file)
+        build_job(document, str(self.file))
+        head = f"# Found by mpfcad design {self.file.name}\n# mpfcad run {name}.toml\n"
+        write_text(folder / f"{name}.toml", head + tomli_w.dumps(document))
+
+    def best(self, done: list[Iteration]) -> Iteration:
+        """Return the best of the patterned maps."""
+        return best_of([one for one in done if len(one.series) > 1], self.goal)
+
+
+def printable_range(process: Process, design: Design) -> tuple[float, float]:
+    """Return the smallest and largest C [1/mm] that process and mask rules print."""
+    from mpfcad.mask.rule import ratio_range
+
+    rules = mask_rules(design.mask, design.name)
+    low, high = ratio_range(rules, process.groove.pitch, design.mask.period)
+    low, high = low * (1 + _RATIO_MARGIN), high * (1 - _RATIO_MARGIN)
+    high = min(high, process.aperture_ratio_max)
+    return float(process.curvature(high)), float(process.curvature(low))

@@ -1,0 +1,170 @@
+"""`mpfcad design` and `mpfcad sweep` through the command line: files, resuming, refusals."""
+
+import json
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+
+DESIGN = """
+schema = 1
+name = "slim"
+[goal]
+contrast_target = 0.000001
+[constraint]
+curvature_min_per_mm = 55.0
+curvature_max_per_mm = 62.0
+change_max_per_mm2 = 1.5
+harmonics = 2
+[search]
+iterations = 2
+paths_million = 0.05
+[stack]
+thickness_mm = 18.0
+[film]
+profile = "{profile}"
+[mask]
+period_um = 640.0
+"""
+SWEEP = """
+schema = 1
+name = "few"
+contrast_limit = 0.2
+[axis]
+"map.curvature_per_mm" = [50.0, 60.0]
+shift_mm = [0.0, 0.5]
+[trace]
+half_width = 0.0
+paths_million = 0.02
+"""
+
+
+def mpfcad(*arguments, cwd):
+    code = "from mpfcad.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600)
+
+
+def content(folder):
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.mark.slow
+def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path):
+    (tmp_path / "design.toml").write_text(DESIGN.format(profile="filled"))
+    arguments = ("design", "design.toml", "--no-verify")
+    result = mpfcad(*arguments, "--threads", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    out = tmp_path / "exports" / "slim-design"
+    whole = content(out)
+    names = {"slim.toml", "slim.csv", "design.json", "design.html", "manifest.json"}
+    assert set(whole) == names
+    record = json.loads(whole["design.json"])
+    assert len(record["iterations"]) == 2
+    job = tomllib.loads(whole["slim.toml"].decode())
+    assert job["map"]["file"] == "slim.csv"
+    position, curvature = np.loadtxt(out / "slim.csv", delimiter=",", skiprows=1).T
+    assert (curvature >= 55).all() and (curvature <= 62).all()
+    # Positions are rounded to 1e-6 mm of rows 0.25 mm apart.
+    assert np.abs(np.diff(curvature) / np.diff(position)).max() <= 1.5 * (1 + 1e-5)
+    assert curvature == pytest.approx(curvature[::-1])
+
+    # As if it had been killed in the second trace.
+    kept = tmp_path / "exports" / ".slim-design.traces.json"
+    state = json.loads(kept.read_text())
+    kept.write_text(json.dumps({**state, "traces": state["traces"][:1]}))
+    result = mpfcad(*arguments, "--threads", "2", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "tracing iteration 2" in result.stderr and "tracing iteration 1" not in result.stderr
+    assert content(out) == whole
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("iterations = 2", "iterations = 0"), ["search.iterations: 0", "greater than or equal"]),
+        (("harmonics = 2", "harmonix = 2"), ["constraint.harmonix", "known: curvature_min"]),
+        (("= 62.0", "= 40.0"), ["constraint.curvature_max_per_mm: 40", "above the smallest"]),
+        (("= 18.0", "= 1.0"), ["thickness_mm: 1"]),
+        (("[goal]", '[goal]\naim = "trade"'), ["goal", "luminance_weight"]),
+    ],
+)
+def test_what_is_wrong_with_a_design_is_said_in_one_line(tmp_path, change, words):
+    (tmp_path / "design.toml").write_text(DESIGN.format(profile="filled").replace(*change))
+    result = mpfcad("design", "design.toml", cwd=tmp_path)
+    assert result.returncode == 2, result.stderr
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
+    for word in ("design.toml", *words):
+        assert word in line
+    assert not (tmp_path / "exports").exists()
+
+
+def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path):
+    import xarray
+
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    out, points = tmp_path / "exports" / "few-sweep", tmp_path / "exports" / ".few-sweep.points"
+    whole = content(out)
+    assert len(list(points.iterdir())) == 4
+    data = xarray.open_dataset(out / "sweep.nc", engine="scipy")
+    assert data.sizes == {"map_curvature_per_mm": 2, "shift_mm": 2, "position_pitch": 33}
+    assert data.sel(shift_mm=0.5).local_shift.values == pytest.approx(0.5)
+    low, value, high = (data[f"lamp_mura_contrast{end}"].values for end in ("_low", "", "_high"))
+    assert ((low <= value) & (value <= high)).all()
+
+    next(points.iterdir()).unlink()
+    result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
+    assert "3 of 4 points are there" in result.stderr
+    assert content(out) == whole
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("shift_mm", "shift_um"), ["shift_um", "must be table.field"]),
+        (("[50.0, 60.0]", "[50.0, 90.0]"), ["90", "not printable", "map.curvature_per_mm = 90"]),
+        (("[50.0, 60.0]", "[50.0, 50.0]"), ["none twice"]),
+        (("shift_mm = [0.0, 0.5]", '"film.profile" = ["filed"]'), ["film.profile: filed"]),
+    ],
+)
+def test_what_is_wrong_with_a_sweep_is_said_before_it_starts(tmp_path, change, words):
+    (tmp_path / "sweep.toml").write_text(SWEEP.replace(*change))
+    result = mpfcad("sweep", "sweep.toml", cwd=tmp_path)
+    assert result.returncode == 2, result.stderr
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
+    for word in words:
+        assert word in line
+    assert not (tmp_path / "exports").exists()
+
+
+@pytest.mark.slow
+def test_workers_change_nothing_and_a_killed_one_loses_nothing(tmp_path):
+    import os
+    import signal
+    import time
+
+    import psutil
+
+    (tmp_path / "sweep.toml").write_text(SWEEP.replace("0.02", "0.3"))
+    assert mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path).returncode == 0
+    alone = content(tmp_path / "exports" / "few-sweep")
+
+    code = "from mpfcad.cli import main; main()"
+    command = [sys.executable, "-c", code, "sweep", "sweep.toml", "--workers", "2", "--out", "two"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    points = tmp_path / ".two.points"
+    while process.poll() is None and not any(points.glob("[!.]*")):
+        time.sleep(0.05)
+    workers = [
+        child
+        for child in psutil.Process(process.pid).children(recursive=True)
+        if "spawn_main" in " ".join(child.cmdline())
+    ]
+    assert workers
+    os.kill(workers[0].pid, signal.SIGKILL)
+    assert process.wait(timeout=300) == 0, process.stderr.read()
+    assert content(tmp_path / "two") == alone

@@ -1,0 +1,102 @@
+"""Eight rays in one vector do what each of them does alone, bit by bit."""
+
+import numpy as np
+import pytest
+from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
+from numba import njit
+
+from mpfcad.optics import lanes
+from mpfcad.optics.bvh import build_bvh, closest_facets
+from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS, film_passages
+from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.sampling import RNG_SIZE, start_path
+from mpfcad.optics.tile import build_tile
+
+
+@njit(error_model="numpy", _nrt=False)
+def _many(values, table, out):
+    x, y = lanes.load(values, 0), lanes.load(values, 1)
+    reflectance, cosine = fresnel(x, 0.5 + y)
+    lanes.store(out, 0, reflectance)
+    lanes.store(out, 1, cosine)
+    place = lanes.whole(lanes.floor(y * 4.0))
+    lanes.store(out, 2, lanes.gather(table[1], place))
+    a, b, c, d = lanes.gather_row(table, place)
+    lanes.store(out, 3, a - b + c * d)
+    lanes.store(out, 4, lanes.select((x > y) ^ (x < 0.5), lanes.root(x), -y / 3.0))
+    lanes.store(out, 5, lanes.real((place << 3) ^ 5) + lanes.copy_sign(x, y - 0.5))
+
+
+@njit(error_model="numpy", _nrt=False)
+def _single(x, y):
+    return fresnel(x, 0.5 + y)
+
+
+def test_operations_are_those_of_plain_numbers():
+    rng = np.random.default_rng(1)
+    values, table, out = rng.random((2, 8)), rng.random((8, 4)), np.empty((6, 8))
+    _many(values, table, out)
+    x, y = values
+    alone = np.array([_single(a, b) for a, b in zip(x, y, strict=True)]).T
+    assert (out[:2] == alone).all()
+    place = np.floor(y * 4).astype(int)
+    a, b, c, d = table[place].T
+    assert (out[2] == table[1][place]).all()
+    assert (out[3] == a - b + c * d).all()
+    assert (out[4] == np.where((x > y) ^ (x < 0.5), np.sqrt(x), -y / 3)).all()
+    assert (out[5] == ((place << 3) ^ 5) + np.copysign(x, y - 0.5)).all()
+
+
+@njit(error_model="numpy")
+def _starts(rng, seed):
+    for i in range(len(rng)):
+        start_path(rng[i], np.uint64(seed), np.uint64(8), np.uint64(i))
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("count", [1, 7, 5000])
+def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up, count):
+    mesh = film_mesh(tmp_path, [BARE, CONCAVE, groove(57.0), groove(40.0001)])
+    tile = build_tile(mesh)
+    random = np.random.default_rng(2).random((count, 4))
+    k, angle = np.sqrt(random[:, 2]) * 0.999999, 2 * np.pi * random[:, 3]
+    start = np.empty((count, 5))
+    start[:, :2] = random[:, :2] * mesh.size[:2]
+    start[:, 2], start[:, 3] = k * np.cos(angle), k * np.sin(angle)
+    start[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
+    alone = np.empty((count, 4))
+    pass_film(tile, 1.5, up, start, 3, alone)
+    place = np.zeros((count, 6))
+    place[:, :2], place[:, 3:] = start[:, :2], start[:, 2:]
+    rng = np.zeros((count, RNG_SIZE), np.uint64)
+    _starts(rng, 3)
+    way = np.zeros(count, np.int64)
+    film_passages(
+        tile, 1.5, 1.0, 0.0, np.arange(count), place, np.full(count, int(up)), way, rng,
+        np.zeros((FLOAT_ROWS, lanes.LANES)), np.zeros((WHOLE_ROWS, lanes.LANES), np.int64),
+    )  # fmt: skip
+    assert (way == alone[:, 0]).all()
+    # The underside turns a ray by one formula alone and by that of all facets in the lanes.
+    assert np.abs(place[:, 3:] - alone[:, 1:]).max() < 1e-9
+
+
+def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):
+    mesh = crossed_mesh(tmp_path)
+    tree = build_bvh(mesh)
+    random = np.random.default_rng(4).random((2000, 4))
+    origin = random[:, :3] * [*mesh.size[:2], 0.0]
+    k, phi = np.sqrt(random[:, 2]), 2 * np.pi * random[:, 3]
+    direction = np.stack([k * np.cos(phi), k * np.sin(phi), np.sqrt(1 - k * k)], axis=1)
+    found = np.empty(len(origin), np.int64)
+    closest_facets(tree, origin, direction, found)
+    a, b, c = (mesh.vertex[mesh.top][None, :, i] - origin[:, None] for i in range(3))
+    d = direction[:, None]
+    sides = [np.einsum("ijk,ijk->ij", np.broadcast_to(d, p.shape), np.cross(p, q))
+             for p, q in ((b, c), (c, a), (a, b))]  # fmt: skip
+    met = np.all([s >= 0 for s in sides], axis=0)
+    normal = np.cross(b - a, c - a)
+    distance = np.einsum("ijk,ijk->ij", a, normal) / np.einsum("ijk,ijk->ij", d * 1.0, normal)
+    distance = np.where(met & (distance >= 0), distance, np.inf)
+    expected = np.where(np.isfinite(distance.min(axis=1)), distance.argmin(axis=1), -1)
+    assert (found == expected).all()
+    assert (found >= 0).mean() > 0.1
