@@ -134,7 +134,7 @@ def test_cells(job, tmp_path, capsys, cell, profile):
         ("cad", 'cell = "paraboloid"', "paraboloid: profile filled: must be 'ideal'"),
         ("cad", 'cell = "pyramid"\ntip_radius_um = 1', "cells must be made as designed"),
         ("mould", 'cell = "pyramid"', "film.cell: pyramid: must be 'groove' for a mould"),
-        ("run", 'cell = "pyramid"', "or cells: not for a run"),
+        ("mask", 'cell = "pyramid"', "film.cell: pyramid: the process is calibrated for grooves"),
     ],
 )
 def test_cells_refused(job, tmp_path, capsys, command, film, words):
