@@ -69,11 +69,13 @@ def test_meshes_of_the_stack_are_in_the_export(tmp_path):
     assert str(tmp_path) not in str(described)
 
 
-def test_an_ideal_film_has_no_resin(tmp_path):
-    given = job(film={"profile": "ideal"}, resin={"scattering_per_mm": 3.0})
-    plan = read_plan(build_job(given, "a.toml"), tmp_path / "a.toml")
-    with pytest.raises(InputError, match="ideal"):
-        write_stack_meshes(plan, tmp_path, SILENT)
+@pytest.mark.parametrize(
+    ("film", "words"), [({"profile": "ideal"}, "ideal"), ({"tip_radius_um": 1.0}, "as designed")]
+)
+def test_a_film_without_known_prisms_has_no_resin(tmp_path, film, words):
+    given = job(film=film, resin={"scattering_per_mm": 3.0})
+    with pytest.raises(InputError, match=words):
+        read_plan(build_job(given, "a.toml"), tmp_path / "a.toml")
 
 
 SMALL = """

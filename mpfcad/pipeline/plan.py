@@ -137,6 +137,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         if name is not None
     }
     stack = read_job_stack(job, job_file)
+    _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration)
     groove = Groove(job.film.pitch, job.film.depth)
     process = read_job_process(job, calibration, groove, str(job_file))
@@ -151,6 +152,18 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         job, stack, process, _as_written(curvature), read_measured(job, job_file), str(job_file)
     )
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
+
+
+def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
+    """Raise where resin scatters in a film of which the prisms under it are not known."""
+    if not stack.resin_scatters:
+        return
+    if job.film.profile != "filled":
+        raise InputError(f"{where}: film.profile: ideal: has no resin of its own: must be 'filled'")
+    if not job.film.is_plain:
+        raise InputError(
+            f"{where}: resin: scatters: the film must be grooves as designed, without imperfections"
+        )
 
 
 def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:

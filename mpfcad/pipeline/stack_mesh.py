@@ -7,19 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from mpfcad.backlight import PRISM_FILE, stack_file
-from mpfcad.errors import InputError
 from mpfcad.pipeline.plan import Plan
 from mpfcad.pipeline.progress import Progress
 
 
 def write_stack_meshes(plan: Plan, folder: Path, progress: Progress) -> None:
-    """Copy the other films' meshes into the export, and write the film without resin if needed.
-
-    Raises
-    ------
-    InputError
-        when a resin scatters in a film that is moulded of one piece.
-    """
+    """Copy the other films' meshes into the export, and write the film without resin if needed."""
     from mpfcad.cad import write_stl
 
     for name, path in plan.stack.files().items():
@@ -27,8 +20,6 @@ def write_stack_meshes(plan: Plan, folder: Path, progress: Progress) -> None:
         shutil.copyfile(path, folder / stack_file(name))
     if not plan.stack.resin_scatters:
         return
-    if plan.piece.profile != "filled":
-        raise InputError("film.profile: ideal: has no resin of its own: must be 'filled'")
     progress.stage(f"writing {PRISM_FILE}")
     count, groove = plan.piece.groove_count, plan.piece.groove
     empty = replace(plan.piece, curvature=np.full(count, groove.curvature_empty))
