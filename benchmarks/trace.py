@@ -50,9 +50,11 @@ def pyramids(path, cells):
 
 def ours(path, kind, rho=None):
     """Return trace(n, seed) → (mean, standard error, paths) of a film between black halves."""
-    from mpfcad.optics.engine import BLOCK, EYE, LAMBERTIAN_BELOW, Source, trace
+    from mpfcad.optics.element import Cavity, Film
+    from mpfcad.optics.engine import BLOCK, trace
     from mpfcad.optics.mesh import read_film_mesh
-    from mpfcad.optics.scene import Cavity, Film, build_scene
+    from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
     mesh = read_film_mesh(path)
     place = np.full(32, mesh.size[0] / 2)
@@ -187,9 +189,10 @@ def stack_rows(folder, quick, present):
     """
     from mpfcad.backlight import read_stack
     from mpfcad.measure import contrast_of_harmonics, fit_harmonics
-    from mpfcad.optics.engine import EYE, Source, trace
+    from mpfcad.optics.engine import trace
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.source import EYE, Source
 
     path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES * 5), length=200.0)
     stack = read_stack(STACK)

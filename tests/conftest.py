@@ -1,8 +1,8 @@
 """Keeps compiled kernels between runs, but never those of other sources.
 
 numba's cache looks only at the file of the compiled function, not at what it calls: after a change
-in `film.py` the cached `engine.trace_block` would still hold the old film. So the cache's folder is
-named for the text of all kernels.
+in `film.py` the cached `engine.trace_paths` would still hold the old film. So the cache's folder is
+named for the text of all kernels: the files of `optics`, and all others that compile something.
 """
 
 import hashlib
@@ -17,10 +17,12 @@ _HERE = Path(__file__).parent
 
 def _kernels() -> str:
     package = _HERE.parent / "mpfcad"
-    sources = [*(package / "optics").glob("*.py"), package / "design" / "passage.py"]
-    sources.append(_HERE / "harness.py")
-    text = b"".join(path.read_bytes() for path in sorted(sources))
-    return hashlib.sha256(text).hexdigest()[:16]
+    text = {p: p.read_bytes() for folder in (package, _HERE) for p in sorted(folder.rglob("*.py"))}
+    digest = hashlib.sha256()
+    for path, source in text.items():
+        if path.parent == package / "optics" or b"njit" in source or b"optics.kernel" in source:
+            digest.update(source)
+    return digest.hexdigest()[:16]
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}")

@@ -6,8 +6,9 @@ import numpy as np
 from numba import njit, uint64
 
 from mpfcad.optics.bsdf import bsdf_passage
+from mpfcad.optics.element import BSDF, SHEET, SLAB
 from mpfcad.optics.engine import trace_paths
-from mpfcad.optics.film import film_passage, placed_film_passage
+from mpfcad.optics.film import INDEX, INDEX_BELOW, film_passage, placed_film_passage
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.sheet import sheet_passage
@@ -135,16 +136,16 @@ def pass_layers(scene, enter_below, seed, out):
         while 0 <= e < count:
             way = 1
             p = scene.parameter[e]
-            if scene.kind[e] == 1:
+            if scene.kind[e] == SLAB:
                 way, x, y, dx, dy, dz, kept = slab_passage(
                     scene.phase, p, up, x, y, dx, dy, dz, rng
                 )
                 weight *= kept
-            elif scene.kind[e] == 2:
+            elif scene.kind[e] == SHEET:
                 passed, dx, dy, dz = sheet_passage(p[0], p[1], dx, dy, dz, rng)
                 weight *= p[2]
                 way = 1 if passed == up else -1
-            elif scene.kind[e] == 4:
+            elif scene.kind[e] == BSDF:
                 passed, dx, dy, dz, kept = bsdf_passage(scene.bsdf, int(p[0]), dx, dy, dz, rng)
                 weight *= kept
                 way = 1 if passed == up else -1
@@ -165,7 +166,7 @@ def pass_film(tiles, index, up, start, seed, out):
     """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
     rng = np.zeros(RNG_SIZE, np.uint64)
     film = np.zeros(12)
-    film[0], film[1] = index, 1.0
+    film[INDEX], film[INDEX_BELOW] = index, 1.0
     phase = np.zeros((1, 2))
     for i in range(len(start)):
         start_path(rng, uint64(seed), uint64(8), uint64(i))

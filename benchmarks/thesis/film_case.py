@@ -93,9 +93,10 @@ def keep(kind: str, identity: object, make) -> dict:
 
 
 def _trace(case: Case, stack: Stack, blocks: int, seed: int) -> dict[str, list]:
-    from mpfcad.optics.engine import EYE, Source, trace
+    from mpfcad.optics.engine import trace
     from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.source import EYE, Source
 
     scene = build_scene(stack.elements(read_film_mesh(case.mesh())))
     position = np.linspace(0, 1, POINTS) * stack.lamp_pitch

@@ -6,10 +6,10 @@ from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 from mpfcad.optics.chain import build_chain
+from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.resin import Resin
-from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.units import deg, um
 
 

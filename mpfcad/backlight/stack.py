@@ -14,8 +14,8 @@ from mpfcad.backlight.quantity import (
     Quantity,
     lamp_of,
 )
+from mpfcad.optics.element import Element
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.scene import Element
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 EXTENTS = ("pitch", "panel")

@@ -64,7 +64,8 @@ def _film_mesh(groove, base, profile, curvature, folder):
 
 def _scene(mesh, stack):
     """Return the scene and the film's number in it."""
-    from mpfcad.optics.scene import FILM, build_scene
+    from mpfcad.optics.element import FILM
+    from mpfcad.optics.scene import build_scene
 
     scene = build_scene(stack.elements(mesh))
     return scene, int(np.flatnonzero(scene.kind == FILM)[0])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 from mpfcad.measure.uniformity import middle
 
 #: Edge [mm] of the square that is seen (Hsieh, MPF thesis: 20 cm × 20 cm), and its pixels.
@@ -46,7 +46,7 @@ class CameraResult:
 
 def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
     """Return the picture of 200 × 200 mm in the screen's middle; error relative, of one pixel."""
-    from mpfcad.optics.engine import EYE, Source
+    from mpfcad.optics.source import EYE, Source
 
     pixel = EDGE / PIXELS
     parts = _PARTS if lit.is_finite else 1
@@ -60,13 +60,6 @@ def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
         along=np.tile(along, PIXELS) if lit.is_finite else 0.0,
         spot_along=EDGE / parts if lit.is_finite else 0.0,
     )
-    tally = trace_rounds(
-        lit,
-        source,
-        run,
-        lambda t: float(np.sqrt(np.mean(t.radiance_error**2)) / np.mean(t.radiance)),
-        error_goal,
-        _FIGURE,
-    )
+    tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = (v.reshape(PIXELS, parts) for v in (tally.radiance, tally.radiance_error))
     return CameraResult(value, error, pixel, tally.total_paths)

@@ -21,7 +21,7 @@ def trace_directions(
     Each point is averaged over a lamp pitch. Azimuth 0 is along +x, across the lamps. Rounds go on
     until the points' standard errors, root mean square, are `error_goal` of the largest luminance.
     """
-    from mpfcad.optics.engine import EYE, Source
+    from mpfcad.optics.source import EYE, Source
 
     polar, azimuth = np.broadcast_arrays(np.asarray(polar, float), np.asarray(azimuth, float))
     pitch = lit.stack.lamp_pitch

@@ -66,7 +66,7 @@ def luminance_over_pitch(
     TraceError
         when more than 1e-6 of the paths are lost.
     """
-    from mpfcad.optics.engine import EYE, Source
+    from mpfcad.optics.source import EYE, Source
 
     run = run or TraceRun()
     stack = lit.stack
@@ -98,8 +98,9 @@ def luminance_over_pitch(
 
 def _energy(scene, elements, seed: int, threads: int) -> dict[str, object]:
     """Return where the lamps' light goes, from a forward trace, as shares of what they emit."""
-    from mpfcad.optics.engine import LAMPS, Source, trace
+    from mpfcad.optics.engine import trace
     from mpfcad.optics.recorder import FLOWS
+    from mpfcad.optics.source import LAMPS, Source
 
     tally = trace(
         scene, Source(LAMPS, np.zeros(1), 0.0), _ENERGY_BLOCKS, seed=seed, threads=threads

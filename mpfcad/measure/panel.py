@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.measure.contrast import Estimate
-from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 from mpfcad.measure.uniformity import middle
 
 #: Cells across the lamps for each lamp, and along them over the panel.
@@ -62,7 +62,7 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
     InputError
         when the stack repeats without end.
     """
-    from mpfcad.optics.engine import EYE, Source
+    from mpfcad.optics.source import EYE, Source
 
     check_finite(lit)
     stack = lit.stack
@@ -77,14 +77,7 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
         along=np.tile(along, n) - stack.panel_length / 2,
         spot_along=length,
     )
-    tally = trace_rounds(
-        lit,
-        source,
-        run,
-        lambda t: float(np.sqrt(np.mean(t.radiance_error**2)) / np.mean(t.radiance)),
-        error_goal,
-        _FIGURE,
-    )
+    tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = tally.radiance.reshape(n, m), tally.radiance_error.reshape(n, m)
     corners = tuple(_over_middle(value, error, i, k) for i in (0, -1) for k in (0, -1))
     return PanelResult(across, along, value, error, corners, tally.total_paths)

@@ -6,14 +6,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
 from mpfcad.measure.checkpoint import Checkpoints, array_hash, case_hash
 
 if TYPE_CHECKING:
-    from mpfcad.optics.engine import Source
+    from mpfcad.optics.element import Element
     from mpfcad.optics.recorder import Tally
-    from mpfcad.optics.scene import Element, Scene
+    from mpfcad.optics.scene import Scene
+    from mpfcad.optics.source import Source
 
 _LEAST_PATHS = 270_000
 _LOST_LIMIT = 1e-6
@@ -164,6 +167,11 @@ def trace_rounds(
     if lost > _LOST_LIMIT:
         raise TraceError(f"{lit.name}: {lost:.2e} of the paths were lost; allowed {_LOST_LIMIT:g}")
     return tally
+
+
+def relative_error(tally: "Tally") -> float:
+    """Return the points' standard error, root mean square, over their mean luminance."""
+    return float(np.sqrt(np.mean(tally.radiance_error**2)) / np.mean(tally.radiance))
 
 
 class _Watch:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.measure.contrast import Estimate, contrast_of_points
-from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 
 _FIGURE = "luminance ± {:.4f} of the mean"
 _NINE = tuple(product((0.1, 0.5, 0.9), repeat=2))
@@ -48,7 +48,7 @@ class UniformityResult:
 
 def screen_uniformity(lit: Lit, run: TraceRun, error_goal: float) -> UniformityResult:
     """Return the normal luminance at the screen's points, each to a relative standard error."""
-    from mpfcad.optics.engine import EYE, Source
+    from mpfcad.optics.source import EYE, Source
 
     stack = lit.stack
     source = Source(
@@ -59,14 +59,7 @@ def screen_uniformity(lit: Lit, run: TraceRun, error_goal: float) -> UniformityR
         along=(SCREEN_POINTS[:, 1] - 0.5) * stack.panel_length,
         spot_along=stack["meter_spot_mm"],
     )
-    tally = trace_rounds(
-        lit,
-        source,
-        run,
-        lambda t: float(np.sqrt(np.mean(t.radiance_error**2)) / np.mean(t.radiance)),
-        error_goal,
-        _FIGURE,
-    )
+    tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = tally.radiance, tally.radiance_error
     found = {
         count: uniformity(value[list(at)], error[list(at)], run.seed)

@@ -13,11 +13,12 @@ from mpfcad.errors import TraceError
 from mpfcad.optics.bsdf_basis import AngleBasis
 from mpfcad.optics.bsdf_table import BsdfTable
 from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.engine import pass_element
+from mpfcad.optics.element import Film
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.passage import pass_element
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import RNG_SIZE, start_path, uniform
-from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.scene import build_scene
 
 _STREAM = 12
 _MOST_LOST = 1e-6

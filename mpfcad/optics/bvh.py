@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh_build import LEAF, binary_tree
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES, bits, load, local_floats, local_wholes, select, spread, store
+from mpfcad.optics.lanes import LANES, bits, select, spread
+from mpfcad.optics.lanes_array import load, local_floats, local_wholes, store
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.triangle import triangle_distances
 

@@ -6,6 +6,9 @@ from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import disk, turn, uniform
 
 LAMP, REFLECTOR, OPENING, LOST = range(4)
+#: The columns of a cavity in `Scene.parameter`.
+HEIGHT, LAMP_PITCH, LAMP_POSITION, LAMP_HEIGHT, LAMP_RADIUS = range(5)
+LAMP_LUMINANCE, LAMP_REFLECTANCE, REFLECTANCE, SPECULAR_FRACTION, BRDF = range(5, 10)
 
 #: The lamp number of a ray that starts on no lamp (every whole number near 0 is one).
 NO_LAMP = -(2**40)
@@ -64,10 +67,10 @@ def lamp_hit(x, z, dx, dz, pitch, position, height, radius, own):
 @kernel
 def cavity_hit(parameter, x, y, z, dx, dy, dz, own):
     """Return what a ray in the cavity meets: (what, x, y, z, lamp number, lamp centre x)."""
-    top = parameter[0]
-    distance, centre, lamp = lamp_hit(
-        x, z, dx, dz, parameter[1], parameter[2], parameter[3], parameter[4], own
-    )
+    top = parameter[HEIGHT]
+    pitch, position = parameter[LAMP_PITCH], parameter[LAMP_POSITION]
+    height, radius = parameter[LAMP_HEIGHT], parameter[LAMP_RADIUS]
+    distance, centre, lamp = lamp_hit(x, z, dx, dz, pitch, position, height, radius, own)
     to_plane = math.inf
     if dz != 0.0:
         to_plane = ((top if dz > 0.0 else 0.0) - z) / dz

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import any_of, floor, gather, gather_row, magnitude, select, whole
+from mpfcad.optics.lanes import any_of, floor, magnitude, select, whole
+from mpfcad.optics.lanes_array import gather, gather_row
 from mpfcad.optics.mesh import FilmMesh
 
 

@@ -10,6 +10,9 @@ from mpfcad.optics.sampling import turn, uniform
 from mpfcad.optics.tile import next_facet
 from mpfcad.optics.tile_table import tile_of
 
+#: The columns of a film in `Scene.parameter`; the last four of its resin.
+INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE = range(7)
+SCATTERING, ASYMMETRY, PHASE, PRISM = range(7, 11)
 _MOST_HITS = 100_000
 
 
@@ -19,9 +22,9 @@ def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
 
     `parameter` is that of the film's element.
     """
-    width = tiles.size[int(parameter[6]), 0]
+    width = tiles.size[int(parameter[TILE]), 0]
     up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
-    if parameter[7] > 0.0:
+    if parameter[SCATTERING] > 0.0:
         way, x, y, dx, dy, dz = resin_film_passage(
             tiles, phase, parameter, up, x, y, dx, dy, dz, rng
         )
@@ -36,21 +39,21 @@ def into_film(parameter, width, up, x, y, dx, dy, dz):
 
     By the film's angle about z, and, where it lies upside down, about the middle of its tile.
     """
-    cosine, sine = parameter[3], parameter[4]
+    cosine, sine = parameter[COSINE], parameter[SINE]
     if cosine != 1.0:
         x, y = cosine * x + sine * y, cosine * y - sine * x
         dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
-    if parameter[5] != 0.0:
-        x, dx, dz, up = 2.0 * parameter[2] + width - x, -dx, -dz, not up
+    if parameter[FLIPPED] != 0.0:
+        x, dx, dz, up = 2.0 * parameter[OFFSET] + width - x, -dx, -dz, not up
     return up, x, y, dx, dy, dz
 
 
 @kernel
 def out_of_film(parameter, width, way, x, y, dx, dy, dz):
     """Turn a ray that leaves the film back into the stack's axes: (way, x, y, dx, dy, dz)."""
-    cosine, sine = parameter[3], parameter[4]
-    if parameter[5] != 0.0:
-        x, dx, dz, way = 2.0 * parameter[2] + width - x, -dx, -dz, -way
+    cosine, sine = parameter[COSINE], parameter[SINE]
+    if parameter[FLIPPED] != 0.0:
+        x, dx, dz, way = 2.0 * parameter[OFFSET] + width - x, -dx, -dz, -way
     if cosine != 1.0:
         x, y = cosine * x - sine * y, cosine * y + sine * x
         dx, dy = cosine * dx - sine * dy, cosine * dy + sine * dx
@@ -67,8 +70,8 @@ def _build_passage(scatters: bool):
         `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
         1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
         """
-        tile = tile_of(tiles, int(parameter[6]))
-        index, index_below, offset = parameter[0], parameter[1], parameter[2]
+        tile = tile_of(tiles, int(parameter[TILE]))
+        index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
         amid = False
         base_x = math.floor((x - offset) / tile.width) * tile.width + offset
         base_y = math.floor(y / tile.length) * tile.length
@@ -96,11 +99,13 @@ def _build_passage(scatters: bool):
                 reach = z0 / -dz if dz < 0.0 else 0.0
                 if k >= 0:
                     reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
-                prism = tile_of(tiles, int(parameter[10]))
-                flown = collision_distance(prism, parameter[7], x0, z0, dx, dz, reach, rng)
+                prism = tile_of(tiles, int(parameter[PRISM]))
+                flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
                 if flown < reach:
                     x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
-                    cosine = scattering_cosine(phase, int(parameter[9]), parameter[8], uniform(rng))
+                    cosine = scattering_cosine(
+                        phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
+                    )
                     dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
                     amid = True
                     continue

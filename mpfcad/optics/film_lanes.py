@@ -17,13 +17,12 @@ from mpfcad.optics.lanes import (
     bits,
     copy_sign,
     floor,
-    load,
     magnitude,
     real,
     select,
     spread,
-    store,
 )
+from mpfcad.optics.lanes_array import load, store
 from mpfcad.optics.sampling import (
     BLOCK,
     HAS_SPARE,

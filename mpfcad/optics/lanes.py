@@ -3,8 +3,8 @@
 `F8`, `I8` and `M8` are LLVM's <8 x double>, <8 x i64> and <8 x i1>. LLVM cuts them to what the
 processor has (one AVX-512 register, two of AVX, four of SSE or NEON), and every operation is that
 of IEEE 754 in each lane: the bits are the same on all of them, and those of the same formula on
-plain numbers. `select`, `gather`, `any_of`, `root`, `floor` take plain numbers as well, so one
-kernel source serves a single path and eight.
+plain numbers. `select`, `any_of`, `root`, `floor` take plain numbers as well, so one kernel source
+serves a single path and eight.
 """
 
 import operator
@@ -14,10 +14,9 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
-from numba.np.arrayobj import populate_array
 
 LANES = 8
-_I32 = ir.IntType(32)
+I32 = ir.IntType(32)
 
 
 class Lanes(types.Type):
@@ -42,8 +41,8 @@ class _LanesModel(models.PrimitiveModel):
 def _splat(builder, value, kind: Lanes):
     """Return the vector of one value in all lanes."""
     vector = ir.Constant(kind.vector, ir.Undefined)
-    vector = builder.insert_element(vector, value, ir.Constant(_I32, 0))
-    mask = ir.Constant(ir.VectorType(_I32, LANES), [0] * LANES)
+    vector = builder.insert_element(vector, value, ir.Constant(I32, 0))
+    mask = ir.Constant(ir.VectorType(I32, LANES), [0] * LANES)
     return builder.shuffle_vector(vector, ir.Constant(kind.vector, ir.Undefined), mask)
 
 
@@ -226,122 +225,3 @@ def _convert(emit, source: Lanes, result: Lanes):
 #: Toward zero; the value must fit.
 whole = _convert(_B.fptosi, F8, I8)
 real = _convert(_B.sitofp, I8, F8)
-
-
-@intrinsic
-def gather(typingctx, array, index):
-    """Return array[index], (n,) contiguous, for an index or eight of them."""
-    kind = F8 if isinstance(array.dtype, types.Float) else I8
-    result = kind if index == I8 else array.dtype
-
-    def lower(context, builder, sig, args):
-        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        if index != I8:
-            place = context.cast(builder, args[1], index, types.int64)
-            return builder.load(builder.gep(data, [place]))
-        vector = ir.Constant(kind.vector, ir.Undefined)
-        for i in range(LANES):
-            place = builder.extract_element(args[1], ir.Constant(_I32, i))
-            value = builder.load(builder.gep(data, [place]))
-            vector = builder.insert_element(vector, value, ir.Constant(_I32, i))
-        return vector
-
-    return result(array, index), lower
-
-
-def _local(element):
-    @intrinsic(prefer_literal=True)
-    def function(typingctx, count):
-        array = types.Array(element, 1, "C")
-
-        def lower(context, builder, sig, args):
-            kind = context.get_value_type(element)
-            size = context.get_abi_sizeof(kind)
-            number, step = (ir.Constant(ir.IntType(64), n) for n in (count.literal_value, size))
-            data = cgutils.alloca_once(builder, kind, size=count.literal_value)
-            made = context.make_array(array)(context, builder)
-            populate_array(made, data, [number], [step], step, None)
-            return made._getvalue()
-
-        return array(count), lower
-
-    return function
-
-
-#: Arrays of a constant length on the kernel's own stack: they must not outlive it.
-local_floats = _local(types.float64)
-local_wholes = _local(types.int64)
-
-
-@intrinsic
-def gather_row(typingctx, array, index):
-    """Return the four columns of array[index], (n, 4) float64 contiguous, as a tuple."""
-    kind = F8 if index == I8 else types.float64
-    quad = ir.VectorType(ir.DoubleType(), 4)
-
-    def row(context, builder, data, place):
-        place = builder.mul(place, ir.Constant(place.type, 4))
-        loaded = builder.load(builder.bitcast(builder.gep(data, [place]), quad.as_pointer()))
-        loaded.align = 8
-        return loaded
-
-    def shuffle(builder, a, b, order):
-        return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_I32, len(order)), order))
-
-    def lower(context, builder, sig, args):
-        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        if index != I8:
-            place = context.cast(builder, args[1], index, types.int64)
-            loaded = row(context, builder, data, place)
-            columns = [builder.extract_element(loaded, ir.Constant(_I32, i)) for i in range(4)]
-            return context.make_tuple(builder, sig.return_type, columns)
-        rows = [
-            row(context, builder, data, builder.extract_element(args[1], ir.Constant(_I32, i)))
-            for i in range(LANES)
-        ]
-        # Transpose 8 rows of 4: rows i and i+4 side by side, then columns in pairs, then whole.
-        pairs = [shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
-        columns = []
-        for c in range(4):
-            halves = [
-                shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
-            ]
-            columns.append(shuffle(builder, *halves, [0, 1, 4, 5, 2, 3, 6, 7]))
-        return context.make_tuple(builder, sig.return_type, columns)
-
-    return types.UniTuple(kind, 4)(array, index), lower
-
-
-def _row_pointer(context, builder, array, value, row, kind: Lanes):
-    """Return the address of a row of eight as that of a vector."""
-    data = cgutils.create_struct_proxy(array)(context, builder, value=value).data
-    place = builder.mul(row, ir.Constant(ir.IntType(64), LANES))
-    return builder.bitcast(builder.gep(data, [place]), kind.vector.as_pointer())
-
-
-@intrinsic
-def load(typingctx, array, row):
-    """Return a row of an (n, 8) contiguous array as lanes."""
-    kind = F8 if isinstance(array.dtype, types.Float) else I8
-
-    def lower(context, builder, sig, args):
-        place = context.cast(builder, args[1], row, types.int64)
-        pointer = _row_pointer(context, builder, array, args[0], place, kind)
-        loaded = builder.load(pointer)
-        loaded.align = 8
-        return loaded
-
-    return kind(array, row), lower
-
-
-@intrinsic
-def store(typingctx, array, row, value):
-    """Put lanes into a row of an (n, 8) contiguous array."""
-
-    def lower(context, builder, sig, args):
-        place = context.cast(builder, args[1], row, types.int64)
-        pointer = _row_pointer(context, builder, array, args[0], place, value)
-        builder.store(args[2], pointer, align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, row, value), lower

@@ -10,11 +10,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.cavity import LAMP, LOST, OPENING, REFLECTOR, lambertian
+from mpfcad.optics.cavity import (
+    HEIGHT,
+    LAMP,
+    LAMP_HEIGHT,
+    LAMP_RADIUS,
+    LOST,
+    OPENING,
+    REFLECTOR,
+    lambertian,
+)
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.sampling import uniform
 
 NO_WALL = np.array([-np.inf, np.inf, -np.inf, np.inf, 0.0, 0.0, np.inf])
+#: The columns of `Panel.arrays`: of the walls, and of each lamp.
+LEFT, RIGHT, NEAR, FAR, WALL_REFLECTANCE, WALL_SPECULAR_FRACTION, HALF_LAMP = range(7)
+POSITION, FACTOR, SHARE = range(3)
 LAMP_END, WALL_ACROSS, WALL_ALONG = range(LOST + 1, LOST + 4)
 
 
@@ -90,37 +102,36 @@ def panel_hit(parameter, wall, lamp, x, y, z, dx, dy, dz, own):
     on, or `NO_LAMP`.
     """
     best, end, number = math.inf, False, -1
+    height, radius, half = parameter[LAMP_HEIGHT], parameter[LAMP_RADIUS], wall[HALF_LAMP]
     for i in range(len(lamp)):
         if i == own:
             continue
-        distance, at_end = rod_hit(
-            x, y, z, dx, dy, dz, lamp[i, 0], parameter[3], parameter[4], wall[6]
-        )
+        distance, at_end = rod_hit(x, y, z, dx, dy, dz, lamp[i, POSITION], height, radius, half)
         if distance < best:
             best, end, number = distance, at_end, i
     to_z, to_x, to_y = math.inf, math.inf, math.inf
     if dz != 0.0:
-        to_z = max(0.0, ((parameter[0] if dz > 0.0 else 0.0) - z) / dz)
+        to_z = max(0.0, ((parameter[HEIGHT] if dz > 0.0 else 0.0) - z) / dz)
     if dx != 0.0:
-        to_x = max(0.0, ((wall[1] if dx > 0.0 else wall[0]) - x) / dx)
+        to_x = max(0.0, ((wall[RIGHT] if dx > 0.0 else wall[LEFT]) - x) / dx)
     if dy != 0.0:
-        to_y = max(0.0, ((wall[3] if dy > 0.0 else wall[2]) - y) / dy)
+        to_y = max(0.0, ((wall[FAR] if dy > 0.0 else wall[NEAR]) - y) / dy)
     nearest = min(to_x, to_y, to_z)
     if best < nearest:
         what = LAMP_END if end else LAMP
-        return what, x + best * dx, y + best * dy, z + best * dz, number, lamp[number, 0]
+        return what, x + best * dx, y + best * dy, z + best * dz, number, lamp[number, POSITION]
     if nearest == math.inf:
         return LOST, x, y, z, 0, 0.0
-    x = min(max(x + nearest * dx, wall[0]), wall[1])
-    y = min(max(y + nearest * dy, wall[2]), wall[3])
+    x = min(max(x + nearest * dx, wall[LEFT]), wall[RIGHT])
+    y = min(max(y + nearest * dy, wall[NEAR]), wall[FAR])
     if to_z <= nearest:
         if dz > 0.0:
-            return OPENING, x, y, parameter[0], 0, 0.0
+            return OPENING, x, y, parameter[HEIGHT], 0, 0.0
         return REFLECTOR, x, y, 0.0, 0, 0.0
     z += nearest * dz
     if to_x <= nearest:
-        return WALL_ACROSS, (wall[1] if dx > 0.0 else wall[0]), y, z, 0, 0.0
-    return WALL_ALONG, x, (wall[3] if dy > 0.0 else wall[2]), z, 0, 0.0
+        return WALL_ACROSS, (wall[RIGHT] if dx > 0.0 else wall[LEFT]), y, z, 0, 0.0
+    return WALL_ALONG, x, (wall[FAR] if dy > 0.0 else wall[NEAR]), z, 0, 0.0
 
 
 @kernel
@@ -142,11 +153,13 @@ def lamp_start(parameter, wall, lamp, rng):
     """
     share = uniform(rng)
     i = 0
-    while i < len(lamp) - 1 and share >= lamp[i, 2]:
+    while i < len(lamp) - 1 and share >= lamp[i, SHARE]:
         i += 1
-    half = min(wall[6], wall[3])
+    half = min(wall[HALF_LAMP], wall[FAR])
     y = (2.0 * uniform(rng) - 1.0) * half
     angle = 2.0 * math.pi * uniform(rng)
     nx, nz = math.cos(angle), math.sin(angle)
     dx, dy, dz = lambertian(nx, 0.0, nz, rng)
-    return lamp[i, 0] + parameter[4] * nx, y, parameter[3] + parameter[4] * nz, dx, dy, dz, i
+    x = lamp[i, POSITION] + parameter[LAMP_RADIUS] * nx
+    z = parameter[LAMP_HEIGHT] + parameter[LAMP_RADIUS] * nz
+    return x, y, z, dx, dy, dz, i

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 #: The first entries of a tally's flow; after them one for each element's absorption, lowest first.
 #: `walls` and `rim` (what leaves a finite panel beside its layers) are 0 where it has no end.
 FLOWS = ("up", "down", "lost", "roulette", "lamps", "walls", "rim")
+FLOW_UP, FLOW_DOWN, FLOW_LOST, FLOW_ROULETTE, FLOW_LAMPS, FLOW_WALLS, FLOW_RIM = range(len(FLOWS))
+FLOW_ELEMENTS = len(FLOWS)
 
 
 class Tally(NamedTuple):

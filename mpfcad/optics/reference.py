@@ -7,6 +7,7 @@ numbers in the same order as `engine`, so that single paths can be compared, not
 
 import math
 
+from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.optics.reference_bsdf import scatter
 from mpfcad.optics.reference_cavity import cavity_passage
 from mpfcad.optics.reference_film import ReferenceFilm
@@ -22,7 +23,6 @@ from mpfcad.optics.reference_ray import (
     roulette,
     scattering_cosine,
 )
-from mpfcad.optics.scene import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 
 
 class ReferenceTracer:

@@ -2,10 +2,10 @@
 
 import math
 
+from mpfcad.optics.element import Cavity
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.reference_bsdf import scatter
 from mpfcad.optics.reference_ray import Philox, Vector, disk, lambertian, roulette
-from mpfcad.optics.scene import Cavity
 
 
 def cavity_passage(

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+from mpfcad.optics.element import Film
 from mpfcad.optics.reference_ray import (
     Philox,
     Vector,
@@ -15,7 +16,6 @@ from mpfcad.optics.reference_ray import (
     refract,
     scattering_cosine,
 )
-from mpfcad.optics.scene import Film
 
 
 class ReferenceFilm:

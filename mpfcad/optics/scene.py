@@ -7,7 +7,6 @@ mesh.
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,162 +15,16 @@ from numpy.typing import NDArray
 from mpfcad.errors import TraceError
 from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
 from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.panel import NO_WALL, Panel
+from mpfcad.optics.element import CLASSES, FILM, BsdfSheet, Cavity, Element, Film, Slab
+from mpfcad.optics.film import TILE
+from mpfcad.optics.panel import NO_WALL
 from mpfcad.optics.phase import phase_table
-from mpfcad.optics.resin import Resin
 from mpfcad.optics.tile import ACCELERATORS, build_tile
 from mpfcad.optics.tile_table import TileTable, build_tile_table
 
-CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
 _PARAMETERS = 12
 #: Largest length [mm] along y over which a meter averages on a finite panel.
 _MOST_ALONG = 2.0
-#: Where a film has the number of its tile, and the scattering coefficient of its resin.
-TILE, RESIN = 6, 7
-
-
-@dataclass(frozen=True)
-class Cavity:
-    """Lamps in a row over a reflector, below everything else; lengths in mm.
-
-    Attributes
-    ----------
-    height
-        from the reflector (z = 0) to the next element
-    lamp_pitch, lamp_position
-        spacing of the lamps along x, and x of one of them
-    lamp_height, lamp_radius
-        axis above the reflector; radius of the tube
-    lamp_luminance, lamp_reflectance
-        of the tube's surface [cd/m²]; diffuse reflectance 0…1
-    reflectance, specular_fraction
-        of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
-    panel
-        its edges and its own row of lamps; None: lamps of one kind with their pitch, without end
-    brdf, blend
-        a table in the place of the reflector's two values, and its interpolation (`BsdfSheet`)
-    """
-
-    height: float
-    lamp_pitch: float
-    lamp_position: float
-    lamp_height: float
-    lamp_radius: float
-    lamp_luminance: float
-    lamp_reflectance: float
-    reflectance: float
-    specular_fraction: float
-    name: str = "cavity"
-    panel: Panel | None = None
-    brdf: BsdfTable | None = None
-    blend: float = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Slab:
-    """A plane-parallel plate, clear or with volume scattering.
-
-    Attributes
-    ----------
-    index
-        refractive index
-    thickness
-        [mm]
-    scattering, absorption
-        coefficients [1/mm]
-    asymmetry
-        g, mean cosine of one scattering (Henyey and Greenstein, 1941)
-    bonded
-        whether the film above is bonded on it, without air between
-    phase
-        (STEPS+1,) float64, cosines at equal steps of probability in place of `asymmetry`
-    """
-
-    index: float
-    thickness: float
-    scattering: float = 0.0
-    absorption: float = 0.0
-    asymmetry: float = 0.0
-    bonded: bool = False
-    name: str = "plate"
-    phase: NDArray[np.float64] | None = None
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """A thin scatterer: moves the direction cosines (kx, ky) by a Gaussian.
-
-    Attributes
-    ----------
-    sigma
-        standard deviation of the move in each of kx, ky
-    index
-        refractive index of the two surfaces that accept a direction or reflect it
-    transmission
-        share of the light that survives a passage
-    """
-
-    sigma: float
-    index: float
-    transmission: float
-    name: str = "sheet"
-
-
-@dataclass(frozen=True, eq=False)
-class Film:
-    """A film tile read from a mesh.
-
-    Attributes
-    ----------
-    mesh
-        the tile
-    index
-        refractive index
-    index_below
-        that of the medium under it: 1, or the slab's on which it is bonded
-    offset
-        x [mm] in the scene of the tile's left edge, before the film is turned by `rotation`
-    accelerator
-        None to choose from the mesh, or `chain` or `bvh`
-    rotation
-        angle [rad] by which the film is turned about z through the scene's origin: π/2 is crossed
-    flipped
-        whether it lies upside down, turned over about the middle line of its tile along y
-    resin
-        a fill that scatters, if it does
-    """
-
-    mesh: FilmMesh
-    index: float
-    index_below: float = 1.0
-    offset: float = 0.0
-    accelerator: str | None = None
-    name: str = "film"
-    rotation: float = 0.0
-    flipped: bool = False
-    resin: Resin | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class BsdfSheet:
-    """A thin element that scatters by a table.
-
-    Attributes
-    ----------
-    table
-        both ways, both sides
-    blend
-        0: a table of steps; 1: linear between the bins' middles
-    """
-
-    table: BsdfTable
-    blend: float = 1.0
-    name: str = "bsdf"
-
-
-Element = Cavity | Slab | Sheet | Film | BsdfSheet
-_CLASSES = (Cavity, Slab, Sheet, Film, BsdfSheet)
 
 
 class Scene(NamedTuple):
@@ -182,11 +35,9 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 12) float64, the fields of each element in the order of its class; a plate's end with
-        the row of its phase function; a film's: index, index below, offset, cosine and sine of its
-        rotation, flipped, number of its tile, of its resin scattering, asymmetry, row of its phase
-        function and tile of the prisms under it; a cavity's end with the row of its BRDF or -1; a
-        BSDF sheet's is the row of its table
+        (e, 12) float64, the fields of each element in the order of its class, but for a film's;
+        a film's and a cavity's columns have names in `film` and `cavity`; a plate's end with the
+        row of its phase function or -1, a BSDF sheet's is the row of its table
     tiles
         the tiles of the films and of the prisms under scattering resin
     phase
@@ -230,7 +81,7 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     """
     _check_order(elements)
     tiles, phases, bsdfs = _Rows(), _Rows(), _Rows()
-    kind = np.array([_CLASSES.index(type(element)) for element in elements], np.int64)
+    kind = np.array([CLASSES.index(type(element)) for element in elements], np.int64)
     parameter = np.zeros((len(elements), _PARAMETERS))
     for i, element in enumerate(elements):
         values = _parameters(element, tiles, phases, bsdfs)

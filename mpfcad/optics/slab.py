@@ -18,11 +18,10 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
     weight that the volume has not absorbed, exp(-absorption · path). Free paths between scatterings
     are exponential of mean 1/scattering.
     """
-    index, thickness, scattering, absorption, asymmetry = (
+    index, thickness, scattering, absorption, asymmetry, bonded, row = (
         parameter[0], parameter[1], parameter[2], parameter[3], parameter[4],
+        parameter[5] != 0.0, int(parameter[6]),
     )  # fmt: skip
-    bonded = parameter[5] != 0.0
-    row = int(parameter[6])
     travelled = 0.0
     z = 0.0 if up else thickness
     if up or not bonded:

@@ -1,7 +1,8 @@
 """A ray against triangles, eight at a time, in double precision, watertight along shared edges."""
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import load, select
+from mpfcad.optics.lanes import select
+from mpfcad.optics.lanes_array import load
 
 
 @kernel

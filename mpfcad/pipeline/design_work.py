@@ -24,27 +24,20 @@ from mpfcad.design import (
     search_by_inversion,
     search_by_response,
 )
-from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, write_text
-from mpfcad.film import Groove, Process
+from mpfcad.film import Groove
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design_aim import design_constraint, design_goal
 from mpfcad.pipeline.design_state import KeptTraces, trace_seed
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
 from mpfcad.pipeline.plan import Plan, read_job_process, read_job_stack, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.record import versions
-from mpfcad.pipeline.screen import mask_rules
 
-#: What the luminance is worth against contrast when it is to be the most within a contrast.
-_LUMINANCE_FIRST = 0.2
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
 _NODE_STEP = 6.0
-#: Curvatures that a mould of an `ideal` film may have unless the design says otherwise [1/mm].
-IDEAL_CURVATURE_MAX = 100.0
-#: Share of the printable range of aperture ratio left to the rounding of the mask.
-_RATIO_MARGIN = 0.01
 _UNIFORM_FILMS = 7
 #: A map free of the design's own smoothness: harmonics, and change of C [1/mm per mm].
 FREE_HARMONICS, FREE_CHANGE = 10, 1000.0
@@ -67,8 +60,8 @@ class DesignWork:
             job, None if calibration is None else file.parent / calibration, self.groove, str(file)
         )
         self.pitch = self.stack.lamp_pitch
-        self.constraint = self._constraint()
-        self.goal = self._goal()
+        self.constraint = design_constraint(design, self.process, file)
+        self.goal = design_goal(design)
         self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
         self.model: dict[str, Any] | None = None
         self.reach: dict[str, Any] | None = None
@@ -86,30 +79,6 @@ class DesignWork:
             "versions": versions(),
         }
         return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
-
-    def _constraint(self) -> Constraint:
-        """Return the constraints, the printable range of C among them."""
-        table = self.design.constraint
-        low, high = table.curvature_min_per_mm, table.curvature_max_per_mm
-        if self.process is not None:
-            printable = printable_range(self.process, self.design)
-            low, high = max(low, printable[0]), min(high or np.inf, printable[1])
-        high = high or IDEAL_CURVATURE_MAX
-        if high - low < 1e-3:
-            raise InputError(
-                f"{self.file}: constraint.curvature_max_per_mm: {high:.4g}: must be above the "
-                f"smallest curvature {low:.4g}, of the constraint and of what can be printed"
-            )
-        return Constraint(low, high, table.change_max_per_mm2, table.harmonics)
-
-    def _goal(self) -> Goal:
-        table, shift = self.design.goal, self.design.constraint.registration_mm
-        if table.aim == "contrast":
-            return Goal(registration=shift)
-        if table.aim == "trade":
-            return Goal(luminance_weight=table.luminance_weight, registration=shift)
-        # Half the target is left to the interval of the trace.
-        return Goal(table.contrast_target / 2, _LUMINANCE_FIRST, shift)
 
     def search(self) -> list[Iteration]:
         """Return the traced maps."""
@@ -265,14 +234,3 @@ class DesignWork:
     def best(self, done: list[Iteration]) -> Iteration:
         """Return the best of the patterned maps."""
         return best_of([one for one in done if len(one.series) > 1], self.goal)
-
-
-def printable_range(process: Process, design: Design) -> tuple[float, float]:
-    """Return the smallest and largest C [1/mm] that process and mask rules print."""
-    from mpfcad.mask.rule import ratio_range
-
-    rules = mask_rules(design.mask, design.name)
-    low, high = ratio_range(rules, process.groove.pitch, design.mask.period)
-    low, high = low * (1 + _RATIO_MARGIN), high * (1 - _RATIO_MARGIN)
-    high = min(high, process.aperture_ratio_max)
-    return float(process.curvature(high)), float(process.curvature(low))

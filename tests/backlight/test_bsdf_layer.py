@@ -8,7 +8,7 @@ from mpfcad.errors import InputError
 from mpfcad.optics.bsdf_basis import klems_basis, ring_basis
 from mpfcad.optics.bsdf_file import bsdf_texts, write_texts
 from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.scene import BsdfSheet, Cavity
+from mpfcad.optics.element import BsdfSheet, Cavity
 from mpfcad.pipeline.plan import describe_stack, restore_stack
 
 QUARTER = klems_basis("LBNL/Klems Quarter")

@@ -6,7 +6,8 @@ from harness import BARE, film_file, film_mesh, groove
 
 from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError
-from mpfcad.optics.scene import Film, Sheet, Slab, build_scene
+from mpfcad.optics.element import Film, Sheet, Slab
+from mpfcad.optics.scene import build_scene
 
 MPF = "thesis-32in-mpf"
 MANY = f"""

@@ -7,7 +7,7 @@ from harness import BARE, film_mesh
 
 from mpfcad.backlight import LAYERS, RANGES, list_stacks, read_stack
 from mpfcad.errors import InputError
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 
 MPF = "thesis-32in-mpf"
 

@@ -20,9 +20,10 @@ from mpfcad.measure.angular import ANGLES, peak, width
 from mpfcad.measure.conoscope import POLAR, exitance_weight
 from mpfcad.measure.draw import estimate_by_draws
 from mpfcad.measure.rounds import trace_rounds
-from mpfcad.optics.engine import EYE, Source
+from mpfcad.optics.element import Film, Slab
 from mpfcad.optics.reference import reflectance
-from mpfcad.optics.scene import Film, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, Source
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,14 @@ from numba import njit, uint64
 from mpfcad.optics.bsdf import bsdf_scatter, build_bsdf
 from mpfcad.optics.bsdf_basis import even_basis, klems_basis, ring_basis
 from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.engine import EYE, LAMPS, Source, trace
+from mpfcad.optics.element import BsdfSheet, Cavity, Film, Sheet, Slab
+from mpfcad.optics.engine import trace
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.reference import Philox, ReferenceTracer
 from mpfcad.optics.sampling import RNG_SIZE, start_path
-from mpfcad.optics.scene import BsdfSheet, Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMPS, Source
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
 RINGS = ring_basis(np.radians([0, 5, 15, 25, 35, 45, 55, 65, 75, 90]), 12)

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from harness import CONCAVE, film_mesh, groove, single_paths
 
-from mpfcad.optics.engine import BLOCK, EYE, LAMBERTIAN_BELOW, LAMPS, Source, trace
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
+from mpfcad.optics.engine import BLOCK, trace
 from mpfcad.optics.recorder import FLOWS, Tally
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, LAMPS, Source
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
 LAYERS = [Slab(1.49, 2.0), Sheet(0.36, 1.49, 0.98)]

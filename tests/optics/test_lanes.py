@@ -5,7 +5,7 @@ import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
 from numba import njit
 
-from mpfcad.optics import lanes
+from mpfcad.optics import lanes, lanes_array
 from mpfcad.optics.bvh import build_bvh, closest_facets
 from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS, film_passages
 from mpfcad.optics.fresnel import fresnel
@@ -16,16 +16,16 @@ from mpfcad.optics.tile_table import build_tile_table
 
 @njit(error_model="numpy", _nrt=False)
 def _many(values, table, out):
-    x, y = lanes.load(values, 0), lanes.load(values, 1)
+    x, y = lanes_array.load(values, 0), lanes_array.load(values, 1)
     reflectance, cosine = fresnel(x, 0.5 + y)
-    lanes.store(out, 0, reflectance)
-    lanes.store(out, 1, cosine)
+    lanes_array.store(out, 0, reflectance)
+    lanes_array.store(out, 1, cosine)
     place = lanes.whole(lanes.floor(y * 4.0))
-    lanes.store(out, 2, lanes.gather(table[1], place))
-    a, b, c, d = lanes.gather_row(table, place)
-    lanes.store(out, 3, a - b + c * d)
-    lanes.store(out, 4, lanes.select((x > y) ^ (x < 0.5), lanes.root(x), -y / 3.0))
-    lanes.store(out, 5, lanes.real((place << 3) ^ 5) + lanes.copy_sign(x, y - 0.5))
+    lanes_array.store(out, 2, lanes_array.gather(table[1], place))
+    a, b, c, d = lanes_array.gather_row(table, place)
+    lanes_array.store(out, 3, a - b + c * d)
+    lanes_array.store(out, 4, lanes.select((x > y) ^ (x < 0.5), lanes.root(x), -y / 3.0))
+    lanes_array.store(out, 5, lanes.real((place << 3) ^ 5) + lanes.copy_sign(x, y - 0.5))
 
 
 @njit(error_model="numpy", _nrt=False)

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from harness import BARE, film_mesh, single_paths, within
 
-from mpfcad.optics.engine import EYE, LAMPS, Source, trace
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
+from mpfcad.optics.engine import trace
 from mpfcad.optics.panel import Panel
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.reference import Philox, ReferenceTracer
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMPS, Source
 
 PITCH = 32.69
 ENDLESS = Cavity(20.0, PITCH, 0.0, 3.5, 1.7, 1000.0, 0.75, 0.94, 0.3)

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from harness import BARE, crossed_mesh, film_mesh, groove, single_paths
 
-from mpfcad.optics.engine import EYE, Source
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.reference import Philox, ReferenceTracer
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, Source
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
 CLEAR = Slab(1.49, 2.0)

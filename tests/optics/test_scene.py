@@ -5,7 +5,8 @@ import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
+from mpfcad.optics.scene import build_scene
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
 

@@ -8,8 +8,9 @@ from harness import BARE, film_mesh, groove, within
 
 from mpfcad.backlight import read_stack
 from mpfcad.measure import fit_harmonics
-from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.engine import trace
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, Source
 
 #: 16 points over the pitch without its end, so that harmonics of the series are independent.
 POSITION = np.arange(16) / 16

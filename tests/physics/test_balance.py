@@ -5,10 +5,12 @@ import pytest
 from harness import BARE, PITCH, film_mesh, groove, row, within
 
 from mpfcad.backlight import read_stack
-from mpfcad.optics.engine import BLOCK, EYE, LAMBERTIAN_BELOW, LAMPS, Source, trace
+from mpfcad.optics.element import Film
+from mpfcad.optics.engine import BLOCK, trace
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, LAMPS, Source
 
 UP, DOWN, LOST, ROULETTE, IN_LAMPS, WALLS, RIM, FIRST = range(8)
 FILMS = {

@@ -9,9 +9,11 @@ import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
 from independent import film_values
 
-from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace
+from mpfcad.optics.element import Cavity, Film, Slab
+from mpfcad.optics.engine import trace
 from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.scene import Cavity, Film, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 # (transmittance, standard error), (normal luminance, standard error).
 #

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
 
-from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.element import Cavity, Film, Sheet, Slab
+from mpfcad.optics.engine import trace
 from mpfcad.optics.resin import Resin
-from mpfcad.optics.scene import Cavity, Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, Source
 
 PATTERN = [groove(c) for c in (57.0, 30.0, 75.0)]
 CLEAR, DIFFUSING = Slab(1.49, 2.0), Slab(1.49, 2.0, 0.6, 0.0, 0.8)

@@ -5,9 +5,11 @@ import pytest
 from harness import film_mesh, groove, within
 from scipy.integrate import quad
 
-from mpfcad.optics.engine import EYE, LAMBERTIAN_BELOW, Source, trace
+from mpfcad.optics.element import Film, Sheet, Slab
+from mpfcad.optics.engine import trace
 from mpfcad.optics.reference_ray import reflectance
-from mpfcad.optics.scene import Film, Sheet, Slab, build_scene
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 
 def slab_transmittance(cosine, index):

@@ -1,0 +1,157 @@
+"""The elements that a scene is built of, and their kinds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.panel import Panel
+from mpfcad.optics.resin import Resin
+
+#: Kinds as the kernels know them, in the order of `CLASSES`.
+CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
+
+
+@dataclass(frozen=True)
+class Cavity:
+    """Lamps in a row over a reflector, below everything else; lengths in mm.
+
+    Attributes
+    ----------
+    height
+        from the reflector (z = 0) to the next element
+    lamp_pitch, lamp_position
+        spacing of the lamps along x, and x of one of them
+    lamp_height, lamp_radius
+        axis above the reflector; radius of the tube
+    lamp_luminance, lamp_reflectance
+        of the tube's surface [cd/m²]; diffuse reflectance 0…1
+    reflectance, specular_fraction
+        of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
+    panel
+        its edges and its own row of lamps; None: lamps of one kind with their pitch, without end
+    brdf, blend
+        a table in the place of the reflector's two values, and its interpolation (`BsdfSheet`)
+    """
+
+    height: float
+    lamp_pitch: float
+    lamp_position: float
+    lamp_height: float
+    lamp_radius: float
+    lamp_luminance: float
+    lamp_reflectance: float
+    reflectance: float
+    specular_fraction: float
+    name: str = "cavity"
+    panel: Panel | None = None
+    brdf: BsdfTable | None = None
+    blend: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Slab:
+    """A plane-parallel plate, clear or with volume scattering.
+
+    Attributes
+    ----------
+    index
+        refractive index
+    thickness
+        [mm]
+    scattering, absorption
+        coefficients [1/mm]
+    asymmetry
+        g, mean cosine of one scattering (Henyey and Greenstein, 1941)
+    bonded
+        whether the film above is bonded on it, without air between
+    phase
+        (STEPS+1,) float64, cosines at equal steps of probability in place of `asymmetry`
+    """
+
+    index: float
+    thickness: float
+    scattering: float = 0.0
+    absorption: float = 0.0
+    asymmetry: float = 0.0
+    bonded: bool = False
+    name: str = "plate"
+    phase: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A thin scatterer: moves the direction cosines (kx, ky) by a Gaussian.
+
+    Attributes
+    ----------
+    sigma
+        standard deviation of the move in each of kx, ky
+    index
+        refractive index of the two surfaces that accept a direction or reflect it
+    transmission
+        share of the light that survives a passage
+    """
+
+    sigma: float
+    index: float
+    transmission: float
+    name: str = "sheet"
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A film tile read from a mesh.
+
+    Attributes
+    ----------
+    mesh
+        the tile
+    index
+        refractive index
+    index_below
+        that of the medium under it: 1, or the slab's on which it is bonded
+    offset
+        x [mm] in the scene of the tile's left edge, before the film is turned by `rotation`
+    accelerator
+        None to choose from the mesh, or `chain` or `bvh`
+    rotation
+        angle [rad] by which the film is turned about z through the scene's origin: π/2 is crossed
+    flipped
+        whether it lies upside down, turned over about the middle line of its tile along y
+    resin
+        a fill that scatters, if it does
+    """
+
+    mesh: FilmMesh
+    index: float
+    index_below: float = 1.0
+    offset: float = 0.0
+    accelerator: str | None = None
+    name: str = "film"
+    rotation: float = 0.0
+    flipped: bool = False
+    resin: Resin | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class BsdfSheet:
+    """A thin element that scatters by a table.
+
+    Attributes
+    ----------
+    table
+        both ways, both sides
+    blend
+        0: a table of steps; 1: linear between the bins' middles
+    """
+
+    table: BsdfTable
+    blend: float = 1.0
+    name: str = "bsdf"
+
+
+Element = Cavity | Slab | Sheet | Film | BsdfSheet
+CLASSES = (Cavity, Slab, Sheet, Film, BsdfSheet)
