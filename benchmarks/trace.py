@@ -3,8 +3,9 @@
 `python benchmarks/trace.py [--quick] [--json]`. Ours always traces the whole film; Mitsuba gets it
 as users would (*mesh*: all grooves of a lamp's pitch) and, where named, as the best case of a
 renderer (*cell*: two pitches between perfect mirrors). Both figures of a pair are printed with what
-they measure, so that equal answers can be seen. Peers come from the extra `benchmark`; one that is
-not installed is named as absent. Mitsuba looks for LLVM's library: DRJIT_LIBLLVM_PATH names it.
+they measure; a goal counts as met only where they differ by less than 5 standard errors and 1 %.
+Peers come from the extra `benchmark`; one that is not installed is named as absent. Mitsuba looks
+for LLVM's library: DRJIT_LIBLLVM_PATH names it.
 """
 
 import argparse
@@ -16,6 +17,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from trace_mesh import pyramids
 from trace_peers import (
     embree_closest,
     mitsuba_film,
@@ -24,28 +26,10 @@ from trace_peers import (
 )
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from harness import CONCAVE, film_file, write_facets
+from harness import CONCAVE, film_file
 
 GROOVES, PANEL, CELLS = 654, 7846, 707
 STACK = "thesis-32in-mpf"
-
-
-def pyramids(path, cells):
-    """Write a field of pyramids of 50 µm, four facets each, on a plain base."""
-    step = np.arange(cells + 1) * 0.05
-    x, y = (v.ravel() for v in np.meshgrid(step[:-1], step[:-1], indexing="ij"))
-    corner = [np.stack([x + a, y + b, np.full_like(x, 0.15)], axis=1)
-              for a, b in ((0, 0), (0.05, 0), (0.05, 0.05), (0, 0.05))]  # fmt: skip
-    tip = np.stack([x + 0.025, y + 0.025, np.full_like(x, 0.175)], axis=1)
-    facets = [np.stack([corner[k], corner[(k + 1) % 4], tip], axis=1) for k in range(4)]
-    end = step[-1]
-    edge = [np.stack([step, 0 * step], 1), np.stack([0 * step + end, step], 1)]
-    rim = np.concatenate([edge[0][:-1], edge[1][:-1], (end - edge[0])[:-1], (end - edge[1])[:-1]])
-    p, q = (np.c_[r, 0 * r[:, 0]] for r in (rim, np.roll(rim, -1, axis=0)))
-    r, s = (v + np.array([0, 0, 0.15]) for v in (p, q))
-    centre = np.broadcast_to([end / 2, end / 2, 0.0], p.shape)
-    sides = [np.stack(t, axis=1) for t in ((centre, q, p), (p, q, s), (p, s, r))]
-    return write_facets(path, np.concatenate(facets + sides))
 
 
 def ours(path, kind, rho=None):
@@ -88,10 +72,17 @@ def spent(call, *arguments):
     return result, time.process_time() - start
 
 
-def entry(name, ours, unit, *, peer=None, ratio=None, goal=None):
-    met = None if goal is None or ratio is None else ratio >= goal
+def entry(name, ours, unit, *, peer=None, ratio=None, goal=None, same=True):
+    """Return a row; a goal is met only where both give the same answer."""
+    met = None if goal is None or ratio is None else bool(ratio >= goal and same)
     return {"name": name, "ours": ours, "peer": peer, "unit": unit, "ratio": ratio,
             "goal": goal and f"≥ {goal}×", "met": met}  # fmt: skip
+
+
+def equal(values, errors):
+    """Return whether two figures are within 5 standard errors and 1 % of each other."""
+    away = abs(values[0] - values[1])
+    return away <= 5 * np.hypot(*errors) and away <= 0.01 * abs(values[0])
 
 
 def race(name, mine, theirs, counts, rounds, goal):
@@ -104,9 +95,10 @@ def race(name, mine, theirs, counts, rounds, goal):
             rates[k].append((result[2] if k == 0 else counts[k]) / cpu)
             figures[k].append(result[:2])
     best = [max(r) / 1e3 for r in rates]
-    yield entry(name, best[0], "k/s", peer=best[1], ratio=best[0] / best[1], goal=goal)
     values = [np.mean([f[0] for f in fig]) for fig in figures]
     errors = [np.sqrt(np.sum([f[1] ** 2 for f in fig])) / len(fig) for fig in figures]
+    yield entry(name, best[0], "k/s", peer=best[1], ratio=best[0] / best[1], goal=goal,
+                same=equal(values, errors))  # fmt: skip
     away = abs(values[0] - values[1]) / np.hypot(*errors)
     yield entry(f"    figures; {away:.1f} σ apart", values[0], "", peer=values[1])
 
@@ -214,17 +206,20 @@ def stack_rows(folder, quick, present):
     tracers = mitsuba_stack(path, elements, points)
     n = 100_000 if quick else 400_000
     tracers[0](n, 1)
-    cost, values = 0.0, []
+    cost, values, errors = 0.0, [], []
     for i, tracer in enumerate(tracers):
         (mean, error), peer_cpu = spent(tracer, n, 2 + i)
         values.append(mean)
+        errors.append(error)
         # What one point costs at unit relative variance, beside ours at the same point.
         cost += peer_cpu * (error / mean) ** 2 / len(tracers)
     relative = np.mean((tally.radiance_error / tally.radiance)[::8] ** 2)
     own = cpu / len(position) * relative
-    yield entry(name, mine, "s", peer=mine * cost / own, ratio=cost / own, goal=5)
-    yield entry("    mean normal luminance", tally.radiance[::8].mean(), "cd/m²",
-                peer=np.mean(values))  # fmt: skip
+    both = tally.radiance[::8].mean(), np.mean(values)
+    own_error = np.sqrt(np.mean(tally.radiance_error[::8] ** 2) / len(values))
+    same = equal(both, (own_error, np.sqrt(np.mean(np.square(errors)) / len(values))))
+    yield entry(name, mine, "s", peer=mine * cost / own, ratio=cost / own, goal=5, same=same)
+    yield entry("    mean normal luminance", both[0], "cd/m²", peer=both[1])
     rates = (tally.total_paths / cpu / 1e3, n / peer_cpu / 1e3)
     yield entry("    paths traced", rates[0], "k/s", peer=rates[1])
 

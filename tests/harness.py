@@ -85,8 +85,16 @@ def film_mesh(folder: Path, grooves, base: float = 0.15, length: float = 0.1) ->
     return read_film_mesh(film_file(folder / "film.stl", grooves, base, length))
 
 
-def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: float = 0.15):
-    """Return a tile that is no extrusion: four pyramids of different height on a base."""
+def even_pyramids(folder: Path) -> FilmMesh:
+    """Return a tile of four equal upright pyramids of 50 µm, 25 µm high, on 150 µm."""
+    return crossed_mesh(folder, height=0.025, lean=0.0, fall=0.0)
+
+
+def crossed_mesh(
+    folder: Path, size: float = 0.1, height: float = 0.03, base: float = 0.15,
+    lean: float = 0.05, fall: float = 0.2,
+):  # fmt: skip
+    """Return a tile that is no extrusion: four leaning pyramids of different height on a base."""
     cells = 2
     side = size / cells
     facets = []
@@ -95,7 +103,8 @@ def crossed_mesh(folder: Path, size: float = 0.1, height: float = 0.03, base: fl
             corner = [
                 ((i + a) * side, (j + b) * side, base) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))
             ]
-            top = ((i + 0.5) * side, (j + 0.45) * side, base + height * (1 - 0.2 * (i + 2 * j)))
+            tip = base + height * (1 - fall * (i + 2 * j))
+            top = ((i + 0.5) * side, (j + 0.5 - lean) * side, tip)
             facets += [(corner[k], corner[(k + 1) % 4], top) for k in range(4)]
     # Underside and sides with the top's edge vertices, so that every edge has one partner.
     steps = np.linspace(0, size, cells + 1)

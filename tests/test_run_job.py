@@ -245,3 +245,6 @@ def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
     assert run_app(["trace", str(export / "film.stl"), *options]) == 0
     figures = json.loads(capsys.readouterr().out)
     assert figures["luminance"] == stored["luminance"]
+    assert figures["accelerator"] == "chain"
+    assert run_app(["trace", str(export / "film.stl"), *options[:-1]]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "accelerator chain"

@@ -148,6 +148,7 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     for name in ("lamp_mura_contrast", "mean_luminance_cd_m2"):
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
+    print(f"accelerator {figures['accelerator'] or 'none: no mesh'}")
 
 
 def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:

@@ -80,13 +80,18 @@ def _read_facets(path: Path) -> NDArray[np.float32]:
 
 
 def _weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex."""
+    """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex.
+
+    Facets with two equal corners bound nothing and are left out: their neighbours join.
+    """
     points = np.ascontiguousarray(corner.reshape(-1, 3)) + np.float32(0)  # -0 becomes 0
     key = points.view(np.uint32).reshape(-1, 3)
     _, first, inverse = np.unique(
         key.view([("", np.uint32)] * 3).ravel(), return_index=True, return_inverse=True
     )
-    return points[first].astype(np.float64), inverse.reshape(-1, 3).astype(np.int64)
+    facet = inverse.reshape(-1, 3).astype(np.int64)
+    collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
+    return points[first].astype(np.float64), facet[~collapsed]
 
 
 def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
@@ -101,13 +106,19 @@ def _check_closed(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int
     end = np.roll(facet, -1, axis=1).ravel()
     count = len(vertex)
     forward, times = np.unique(start * count + end, return_counts=True)
-    backward = np.sort(end * count + start)
-    if (times > 1).any() or len(forward) != len(backward) or (forward != backward).any():
-        lonely = np.setdiff1d(forward, backward)
-        edge = int(lonely[0]) if len(lonely) else int(forward[np.argmax(times)])
+    backward, returns = np.unique(end * count + start, return_counts=True)
+    unpaired = np.setdiff1d(forward, backward)
+    if len(unpaired) == 0:
+        # Both hold the same edges now.
+        unpaired = forward[times != returns]
+    fault = "open or inconsistently oriented"
+    if len(unpaired) == 0:
+        unpaired, fault = forward[times > 1], "touches itself"
+    if len(unpaired):
+        edge = int(unpaired[0])
         place = _at((vertex[edge // count] + vertex[edge % count]) / 2)
         raise InputError(
-            f"{path}: mesh: open or inconsistently oriented at {place}: "
+            f"{path}: mesh: {fault} at {place}: "
             "each edge must be shared by exactly two facets, once in each direction"
         )
     a, b, c = (vertex[facet[:, i]] - vertex.mean(axis=0) for i in range(3))

@@ -26,9 +26,10 @@ def same(a: Tally, b: Tally) -> bool:
     return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
 
 
+@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
 @pytest.mark.parametrize("source", [METER, Source(LAMPS, np.zeros(1), 0.0)], ids=["eye", "lamps"])
-def test_same_bits_at_any_number_of_threads(tmp_path, source):
-    scene = build_scene(mpf(tmp_path))
+def test_same_bits_at_any_number_of_threads(tmp_path, source, accelerator):
+    scene = build_scene(mpf(tmp_path, accelerator=accelerator))
     one = trace(scene, source, 9, seed=3, threads=1)
     assert one.score.all() or source.kind != EYE
     for threads in (2, 3, 8):

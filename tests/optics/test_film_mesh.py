@@ -118,6 +118,15 @@ def test_an_overhang_is_refused(tmp_path, facets):
     assert "overhangs" in text and "mm" in text
 
 
+def test_facets_without_extent_are_left_out(tmp_path, facets):
+    a, b = facets[0, :2]
+    # As a mesher leaves them where points fall together in single precision.
+    more = np.concatenate([facets, [[a, b, b], [a, a, a]]])
+    read = read_film_mesh(write_facets(tmp_path / "a.stl", more))
+    plain = read_film_mesh(write_facets(tmp_path / "b.stl", facets))
+    assert (read.top == plain.top).all() and (read.vertex == plain.vertex).all()
+
+
 def test_a_film_whose_valley_touches_its_underside_is_refused(tmp_path):
     x, z = row([BARE] * 2, 0.0)
     text = refused(write_facets(tmp_path / "a.stl", extruded(x, z, 0.1)))

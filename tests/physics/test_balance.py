@@ -52,6 +52,18 @@ def test_no_path_is_lost_in_a_million(tmp_path, accelerator):
     assert tally.flow[UP] + tally.flow[DOWN] == tally.total_paths
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
+def test_no_path_is_lost_in_ten_million(tmp_path, accelerator):
+    mesh = panel(tmp_path, 392.25, 6)
+    scene = build_scene([Film(mesh, 1.55, accelerator=accelerator)])
+    places = np.linspace(0, 1, 20) * mesh.size[0]
+    tally = trace(scene, Source(LAMBERTIAN_BELOW, places, 1.0), 1000, seed=56)
+    assert tally.total_paths > 1e7
+    assert tally.flow[LOST] == 0
+    assert tally.flow[UP] + tally.flow[DOWN] == tally.total_paths
+
+
 def panel(tmp_path, width, chords):
     """Return a film as wide as asked, drawn straight into float32 as an STL file would hold it."""
     count = round(width / PITCH)
