@@ -6,9 +6,10 @@ from harness import groove
 
 from mpfcad.cad.mesh import build_cross_section
 from mpfcad.film import Groove, PrismFilm
-from mpfcad.optics.engine import EYE, Source, trace
+from mpfcad.optics.engine import trace
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.source import EYE, Source
 from mpfcad.units import deg
 
 
