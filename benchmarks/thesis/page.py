@@ -59,8 +59,8 @@ def page(results: dict, fit: dict, picture: str) -> str:
         f"![Contrast and luminance against curvature]({picture})\n",
         "Lines: response surfaces of the fit with their 95 % bands; points: single traces.\n"
         "In `thesis-fitted` the MPF's traces lie about 0.003 of contrast above the surface: noise\n"
-        "that traces of one seed share, or curvature of the true surface; the good range and the best\n"
-        "curvature above are read off the surface.\n",
+        "that traces of one seed share, or curvature of the true surface; the good range and\n"
+        "the best curvature above are read off the surface.\n",
         "## What one set of values has to give\n",
         "Met by our value, and by its whole 95 % interval (`open`: it includes a limit). Minimum\n"
         "and surface are read off the fit's response surfaces, which rest on all its traces.\n",
