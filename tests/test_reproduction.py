@@ -12,6 +12,9 @@ from mpfcad.backlight import read_stack
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
 
+from thesis import film_case  # noqa: E402
+from thesis.figure import Figure  # noqa: E402
+from thesis.film_case import keep  # noqa: E402
 from thesis.fit import Target, fit_values, read_targets  # noqa: E402
 from thesis.page import page  # noqa: E402
 from thesis.picture import draw_curvature  # noqa: E402
@@ -146,3 +149,53 @@ def test_the_page_is_what_its_results_make():
     docs = ROOT / "docs"
     assert (docs / "reproduction.md").read_text("utf-8") == page(results, fit, "reproduction.svg")
     assert (docs / "reproduction.svg").read_text("utf-8") == draw_curvature(results, fit)
+
+
+def test_a_verdict_rests_on_the_interval():
+    def verdict(low, value, high):
+        return Figure(value, low, high).beside(0.012, 0.0005, 0.003, 4)
+
+    assert verdict(0.010, 0.012, 0.014) == "agrees, within 0.0020"
+    # The published figure is in the interval, and so is much else.
+    assert verdict(0.001, 0.009, 0.016) == "open, within 0.0110"
+    assert verdict(0.013, 0.0145, 0.016) == "near"
+    assert verdict(0.0125, 0.0135, 0.0145) == "agrees, within 0.0025"
+    assert verdict(0.016, 0.018, 0.020) == "differs"
+
+
+@pytest.mark.parametrize("above", [True, False])
+def test_a_limit_within_the_interval_is_open(above):
+    sign = 1 if above else -1
+
+    def verdict(low, value, high):
+        ends = sorted((5 + sign * low, 5 + sign * high))
+        return Figure(5 + sign * value, *ends).beyond(5, above=above, digits=1)
+
+    assert verdict(0.5, 1, 2) == "agrees, by 0.5 or more"
+    assert verdict(-1, 0.5, 2) == "open, value agrees"
+    assert verdict(-2, -0.5, 1) == "open, value differs"
+    assert verdict(-2, -1, -0.5) == "differs"
+
+
+def test_a_demand_is_met_by_value_and_by_interval_apart():
+    assert Figure(2, 1.5, 2.5).keeps(1, 3) == (True, "met")
+    assert Figure(2, 0.5, 2.5).keeps(1, 3) == (True, "open")
+    assert Figure(0.9, 0.5, 2.5).keeps(1, 3) == (False, "open")
+    assert Figure(0.5, 0.2, 0.9).keeps(1, 3) == (False, "not met")
+    assert Figure(4, 3.5, 4.5).keeps(1, 3) == (False, "not met")
+
+
+def test_a_kept_figure_is_of_the_code_that_made_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(film_case, "CACHE", tmp_path)
+    monkeypatch.setattr(film_case, "code_hash", lambda: "old")
+    assert keep("case", [1], lambda: {"figure": 1}) == {"figure": 1}
+    assert keep("case", [1], lambda: {"figure": 2}) == {"figure": 1}
+    monkeypatch.setattr(film_case, "code_hash", lambda: "new")
+    assert keep("case", [1], lambda: {"figure": 3}) == {"figure": 3}
+
+
+def test_the_shipped_figures_are_of_the_standard_effort():
+    results = shipped("results.json")
+    assert results["effort"] == "standard"
+    for cases in results["set"].values():
+        assert all(case["paths"] >= results["path_limit"] for case in cases.values())

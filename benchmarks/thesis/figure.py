@@ -24,19 +24,40 @@ class Figure:
         """Return `value (low … high)`."""
         return f"{self.value:.{digits}f} ({self.low:.{digits}f} … {self.high:.{digits}f})"
 
-    def beside(self, published: float, half_digit: float, near: float) -> str:
+    def beside(self, published: float, half_digit: float, near: float, digits: int) -> str:
         """Return the verdict beside a published value given to ± `half_digit`.
 
-        `agrees`: the published value lies in our interval widened by its rounding; `near`: ours is
-        within `near` of it; else `differs`.
+        `agrees`: the published value lies in our interval widened by its rounding, and no end of
+        the interval is further from it than twice `near`; the furthest distance is given. `open`:
+        it lies there, but the interval is too wide. `near`: ours is within `near` of it.
         """
+        furthest = max(abs(self.low - published), abs(self.high - published))
         if self.low - half_digit <= published <= self.high + half_digit:
-            return "agrees"
+            word = "agrees" if furthest <= 2 * near else "open"
+            return f"{word}, within {furthest:.{digits}f}"
         return "near" if abs(self.value - published) <= near else "differs"
 
-    def is_at_most(self, limit: float) -> bool:
-        """Return whether the value, not its whole interval, keeps a limit."""
-        return self.value <= limit
+    def beyond(self, limit: float, *, above: bool, digits: int = 4) -> str:
+        """Return the verdict beside a limit: `agrees` where the whole interval is on its side."""
+        low, high = self.low - limit, self.high - limit
+        if not above:
+            low, high = -high, -low
+        if low > 0:
+            return f"agrees, by {low:.{digits}f} or more"
+        if high < 0:
+            return "differs"
+        holds = (self.value > limit) if above else (self.value < limit)
+        return f"open, value {'agrees' if holds else 'differs'}"
+
+    def keeps(self, low: float, high: float) -> tuple[bool, str]:
+        """Return whether the value lies in low … high, and whether its interval does.
+
+        The interval: `met` inside, `not met` outside, `open` across a limit.
+        """
+        value = low <= self.value <= high
+        if low <= self.low and self.high <= high:
+            return value, "met"
+        return value, "not met" if self.high < low or self.low > high else "open"
 
 
 class Figures:
@@ -61,9 +82,28 @@ class Figures:
         spread = math.hypot(*((f.high - f.low) / 2 / f.value for f in (one, other)))
         return Figure(ratio, ratio * (1 - spread), ratio * (1 + spread))
 
-    def is_brighter_between(self, name: str) -> bool:
-        """Return whether a case is brighter between the lamps than above."""
-        return self.case[name]["first_harmonic"] < 0
+    def fill_ratio(self, stack: str, resin: str, curvature: float) -> Figure:
+        """Return the mean luminance with a scattering resin over that with a clear one."""
+        return self.relative(f"{stack} {resin} {curvature:g}", f"{stack} filled {curvature:g}")
+
+    def first_harmonic(self, name: str) -> Figure:
+        """Return cos 2πu's amplitude over the mean: below 0 is brighter between the lamps."""
+        return Figure(*self.case[name]["first_harmonic"])
+
+    def paths(self) -> list[int]:
+        """Return the paths of each case."""
+        return [case["paths"] for case in self.case.values()]
+
+    def half_width(self, name: str) -> float:
+        """Return half the interval of a case's contrast."""
+        found = self.contrast(name)
+        return (found.high - found.low) / 2
+
+    def lowest(self, family: str) -> Figure:
+        """Return the least contrast over the surfaces' range of curvature."""
+        curve = self.curve[family]["contrast"]
+        at = min(range(len(curve["value"])), key=curve["value"].__getitem__)
+        return Figure(*(curve[key][at] for key in ("value", "low", "high")))
 
     def place(self, family: str, name: str) -> Figure:
         """Return an edge of the good range of curvature, or its best, off the surfaces."""

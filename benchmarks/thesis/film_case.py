@@ -3,12 +3,13 @@
 import hashlib
 import json
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-import mpfcad
 from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.measure.checkpoint import code_hash
 
 #: Where meshes and finished traces are kept; git ignores it.
 CACHE = Path(__file__).parents[2] / "exports" / "reproduction"
@@ -54,38 +55,60 @@ class Case:
         return stack.with_values(given)
 
     def mesh(self) -> Path:
-        """Return the film's STL file, written once."""
-        from mpfcad.cad import write_stl
-        from mpfcad.film import Groove, PrismFilm
+        """Return the film's STL file."""
+        return film_mesh(self.profile, self.curvature)
 
-        path = CACHE / f"{self.profile}-{self.curvature:g}.stl"
-        if not path.exists():
-            CACHE.mkdir(parents=True, exist_ok=True)
-            curvature = np.full(GROOVES, float(self.curvature))
-            film = PrismFilm(Groove(PITCH, DEPTH), BASE, LENGTH, self.profile, curvature)
-            write_stl(film, path, np.deg2rad(ANGLE_TOLERANCE_DEG))
-        return path
+    def identity(self, stack: Stack) -> list:
+        """Return all that a figure of this case in a stack depends on but the code and effort."""
+        return [describe(stack), file_hash(self.mesh())]
+
+
+@cache
+def film_mesh(profile: str, curvature: float) -> Path:
+    """Return the STL file of a uniform film, written anew by each process: never that of old code.
+
+    `curvature` [1/mm]: 80 with `filled` is the film without resin.
+    """
+    from mpfcad.cad import write_stl
+    from mpfcad.film import Groove, PrismFilm
+
+    CACHE.mkdir(parents=True, exist_ok=True)
+    path = CACHE / f"{profile}-{curvature:g}.stl"
+    film = PrismFilm(
+        Groove(PITCH, DEPTH), BASE, LENGTH, profile, np.full(GROOVES, float(curvature))
+    )
+    part = path.with_name(f".{path.stem}.part.stl")
+    write_stl(film, part, np.deg2rad(ANGLE_TOLERANCE_DEG))
+    return part.replace(path)
+
+
+def describe(stack: Stack) -> list:
+    """Return a stack's layers and values, as JSON knows them."""
+    return [list(stack.layers), {name: entry.value for name, entry in stack.quantity.items()}]
+
+
+def file_hash(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def trace_points(case: Case, values: dict[str, float], blocks: int, seed: int) -> dict[str, list]:
     """Return luminance and standard error [cd/m²] at 33 points of a pitch, kept on disk.
 
-    `blocks` of 512 paths a point. A trace is known by film, stack values, blocks, seed and version.
+    `blocks` of 512 paths a point.
     """
     stack = case.stack(values)
-    numbers = {name: entry.value for name, entry in stack.quantity.items()}
-    identity = [mpfcad.__version__, stack.layers, numbers, case.profile, case.curvature, GROOVES]
-    return keep("points", [*identity, blocks, seed], lambda: _trace(case, stack, blocks, seed))
+    identity = [*case.identity(stack), blocks, seed]
+    return keep("points", identity, lambda: _trace(case, stack, blocks, seed))
 
 
 def keep(kind: str, identity: object, make) -> dict:
-    """Return what `make()` returns, from disk if the same identity was made before."""
-    text = json.dumps(identity, sort_keys=True)
+    """Return what `make()` returns, from disk if the same code made the same identity before."""
+    text = json.dumps([code_hash(), identity], sort_keys=True)
     path = CACHE / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:20]}.json"
     if path.exists():
         return json.loads(path.read_text("utf-8"))
     made = make()
-    CACHE.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.part")
     part.write_text(json.dumps(made), "utf-8")
     part.replace(path)
