@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpfcad.cli.option import Threads
+from mpfcad.cli.option import Json, Seed, Threads
 
 if TYPE_CHECKING:
     from mpfcad.cli.terminal import Terminal
@@ -41,7 +41,7 @@ def command(
     rays: Annotated[
         int, typer.Option("--rays", min=100, max=100_000_000, help="Per incidence bin and side.")
     ] = 20_000,
-    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")] = 1,
+    seed: Seed = 1,
     reciprocal: Annotated[
         bool, typer.Option("--reciprocal", help="Claim that a table is reciprocal: check, mend.")
     ] = False,
@@ -55,7 +55,7 @@ def command(
     ] = None,
     page: Annotated[bool, typer.Option("--page", help="Write a page of plots too.")] = False,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: Json = False,
 ) -> int:
     """Make the BSDF table of a film mesh, or check and convert a table."""
     from mpfcad.cli.option import formats

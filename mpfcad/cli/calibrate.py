@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mpfcad.cli.option import Json
+
 if TYPE_CHECKING:
     from mpfcad.film import Groove, Interval, StylusFit
 
@@ -36,7 +38,7 @@ def command(
     pitch_um: Annotated[float, typer.Option("--pitch-um", min=1, help="Of the grooves.")] = 50.0,
     depth_um: Annotated[float, typer.Option("--depth-um", min=1, help="Of the grooves.")] = 25.0,
     widths: Annotated[int, typer.Option("--widths", min=2, help="Prism widths fitted.")] = 2,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: Json = False,
 ) -> int:
     """Find the curvature of printed grooves from stylus traces."""
     from mpfcad.errors import InputError

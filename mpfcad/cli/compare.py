@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Threads
+from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -17,12 +17,10 @@ def command(
             "it); each with @STACK behind it to put the film into that stack.",
         ),
     ],
-    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the traces.")] = 1,
-    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
-        Effort.standard
-    ),
+    seed: Seed = 1,
+    effort: StandardEffort = Effort.standard,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: Json = False,
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Folder of the page and its figures.")
     ] = Path("exports/compare"),

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Threads
+from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -32,12 +32,10 @@ def command(
             "that the stack has].",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the traces.")] = 1,
-    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
-        Effort.standard
-    ),
+    seed: Seed = 1,
+    effort: StandardEffort = Effort.standard,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: Json = False,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder [default: exports/NAME-measure]."),

@@ -24,6 +24,9 @@ TraceEffort = Annotated[
     Effort | None,
     typer.Option("--effort", help="How long to trace; default: what the job says."),
 ]
+StandardEffort = Annotated[Effort, typer.Option("--effort", help="How long to trace.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Threads = Annotated[
     int | None,
     typer.Option(

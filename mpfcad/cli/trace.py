@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Threads
+from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -31,12 +31,10 @@ def command(
         Path | None,
         typer.Option("--prism", metavar="FILE.stl", help="The film without scattering resin."),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")] = 1,
-    effort: Annotated[Effort, typer.Option("--effort", help="How long to trace.")] = (
-        Effort.standard
-    ),
+    seed: Seed = 1,
+    effort: StandardEffort = Effort.standard,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: Json = False,
 ) -> int:
     """Trace a film mesh in a stack: figures only, no verdict."""
     from mpfcad.cli.terminal import Terminal, print_trace
