@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.optics.mesh_solid import at, check_solid
 
 _RECORD = np.dtype(
     [("normal", "<f4", (3,)), ("vertex", "<f4", (3, 3)), ("attribute", "<u2")], align=False
@@ -48,10 +49,10 @@ def read_film_mesh(path: Path) -> FilmMesh:
         underside, or does not repeat from side to side; the text names the place.
     """
     path = Path(path)
-    corner = _read_facets(path)
-    vertex, facet = _weld(corner)
+    corner = read_facets(path)
+    vertex, facet = weld(corner)
     _check_finite(path, vertex)
-    _check_closed(path, vertex, facet)
+    check_solid(path, vertex, facet)
     low, high = vertex.min(axis=0), vertex.max(axis=0)
     vertex = vertex - low
     size = high - low
@@ -62,7 +63,7 @@ def read_film_mesh(path: Path) -> FilmMesh:
     return FilmMesh(vertex, top, (float(size[0]), float(size[1]), float(size[2])))
 
 
-def _read_facets(path: Path) -> NDArray[np.float32]:
+def read_facets(path: Path) -> NDArray[np.float32]:
     """Return the facets' corners, (n, 3, 3) float32 [mm]."""
     try:
         data = path.read_bytes()
@@ -79,52 +80,27 @@ def _read_facets(path: Path) -> NDArray[np.float32]:
     return np.frombuffer(data, _RECORD, count, offset=84)["vertex"]
 
 
-def _weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex.
 
     Facets with two equal corners bound nothing and are left out: their neighbours join.
     """
     points = np.ascontiguousarray(corner.reshape(-1, 3)) + np.float32(0)  # -0 becomes 0
-    key = points.view(np.uint32).reshape(-1, 3)
-    _, first, inverse = np.unique(
-        key.view([("", np.uint32)] * 3).ravel(), return_index=True, return_inverse=True
-    )
-    facet = inverse.reshape(-1, 3).astype(np.int64)
+    # Two coordinates a whole number: sorted several times faster than records.
+    x, y, z = points.view(np.uint32).astype(np.uint64).T
+    _, number = np.unique(x << np.uint64(32) | y, return_inverse=True)
+    _, number = np.unique(number.astype(np.uint64) << np.uint64(32) | z, return_inverse=True)
+    vertex = np.empty((number.max() + 1, 3))
+    vertex[number] = points
+    facet = number.reshape(-1, 3).astype(np.int64)
     collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
-    return points[first].astype(np.float64), facet[~collapsed]
+    return vertex, facet[~collapsed]
 
 
 def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
     bad = np.flatnonzero(~np.isfinite(vertex).all(axis=1))
     if len(bad):
         raise InputError(f"{path}: mesh: vertex {vertex[bad[0]]}: must be finite")
-
-
-def _check_closed(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> None:
-    """Raise unless every directed edge has its reverse exactly once, and the volume is positive."""
-    start = facet.ravel()
-    end = np.roll(facet, -1, axis=1).ravel()
-    count = len(vertex)
-    forward, times = np.unique(start * count + end, return_counts=True)
-    backward, returns = np.unique(end * count + start, return_counts=True)
-    unpaired = np.setdiff1d(forward, backward)
-    if len(unpaired) == 0:
-        # Both hold the same edges now.
-        unpaired = forward[times != returns]
-    fault = "open or inconsistently oriented"
-    if len(unpaired) == 0:
-        unpaired, fault = forward[times > 1], "touches itself"
-    if len(unpaired):
-        edge = int(unpaired[0])
-        place = _at((vertex[edge // count] + vertex[edge % count]) / 2)
-        raise InputError(
-            f"{path}: mesh: {fault} at {place}: "
-            "each edge must be shared by exactly two facets, once in each direction"
-        )
-    a, b, c = (vertex[facet[:, i]] - vertex.mean(axis=0) for i in range(3))
-    volume = float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
-    if volume <= 0:
-        raise InputError(f"{path}: mesh: volume {volume:g} mm³: facets must be oriented outward")
 
 
 def _top_facets(
@@ -150,7 +126,7 @@ def _top_facets(
     ]
     projected = up.sum() / 2
     if (up < 0).any() or abs(projected - size[0] * size[1]) > 1e-6 * size[0] * size[1]:
-        bad = _at(vertex[top[np.argmin(up)]].mean(axis=0))
+        bad = at(vertex[top[np.argmin(up)]].mean(axis=0))
         raise InputError(
             f"{path}: mesh: the upper surface near {bad} overhangs or leaves part of the "
             "rectangle uncovered: a film's top is one height over its whole base"
@@ -159,7 +135,7 @@ def _top_facets(
     thin = vertex[top][..., 2] == 0
     if thin.any():
         raise InputError(
-            f"{path}: mesh: touches itself at {_at(vertex[top][thin][0])}: "
+            f"{path}: mesh: touches itself at {at(vertex[top][thin][0])}: "
             "the upper surface must lie above the underside"
         )
     return top
@@ -181,7 +157,3 @@ def _check_repeats(
                 f"{path}: mesh: the upper surface at {name} = 0 and {name} = {size[axis]:g} mm "
                 "differs: the tile must repeat from side to side"
             )
-
-
-def _at(point: NDArray[np.float64]) -> str:
-    return "({:.6g}, {:.6g}, {:.6g}) mm".format(*point)
