@@ -13,7 +13,11 @@ from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.field import CurvatureField, FieldFilm
-from mpfcad.film.field_file import is_field_file, read_curvature_field
+from mpfcad.film.field_file import (
+    is_field_file,
+    read_curvature_field,
+    write_curvature_field,
+)
 from mpfcad.film.field_piece import FieldPiece, cut_piece
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
@@ -61,6 +65,7 @@ __all__ = [
     "read_curvature_map",
     "read_process",
     "read_stylus_trace",
+    "write_curvature_field",
     "write_curvature_map",
     "write_process",
 ]

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.backlight import read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
-from mpfcad.film import Groove, PrismFilm
+from mpfcad.film import FieldPiece, Groove, PrismFilm
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.measure import (
     Lit,
@@ -45,9 +46,13 @@ class Findings:
         film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
-        without mask the table's C stands in for the mask's; None of a measured surface
+        without mask, or with curvatures that vary along the grooves, the map's C stands in for the
+        mask's; None of a measured surface
     traced_sha256
         hash of the mesh file as it was traced
+    wanted_ratio
+        (n,) float64, mean aperture ratio that each groove of the panel should have; None without
+        mask
     luminance, baseline
         of this film, and of the conventional stack with a plain BEF
     """
@@ -58,6 +63,7 @@ class Findings:
     agreement: Agreement
     curvature_difference: float | None
     traced_sha256: str
+    wanted_ratio: NDArray[np.float64] | None
     luminance: LuminanceResult
     baseline: LuminanceResult
 
@@ -96,13 +102,19 @@ def examine(
         progress.stage("tracing the conventional stack")
         lit = light_baseline(plan.job.cad.angle_tolerance)
         baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-    return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)
+    wanted = None if mask is None else mask.wanted_ratio
+    return Findings(masks, step, mesh, agreement, difference, before, wanted, luminance, baseline)
 
 
 def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float | None:
     """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
     if mesh.curvature is None:
         return None
+    if isinstance(plan.drawn, FieldPiece):
+        from mpfcad.cad.field_check import curvature_difference
+
+        # The mask's ratios are means of whole grooves; its map of squares is checked by itself.
+        return curvature_difference(plan.drawn, mesh.curvature)
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     if plan.process is None:
         expected = [plan.panel.curvature[piece]]
