@@ -91,7 +91,7 @@ def _angles(
     curved, wall = (np.empty(places.shape[:2]) for _ in "ab")
     for index in range(places.shape[1]):
         x, y = places[:, index, 0] - centre, places[:, index, 1]
-        slope, along = _parabola_slope(film, groove, x, y)
+        slope, along = _parabola_slope(film, groove, x, y, middle[:, 1])
         curved[:, index] = _angle(slope, along, area)
         wall[:, index] = _angle(film.groove.wall_slope * np.sign(local), 0.0 * x, area)
     either = np.minimum(curved, wall)
@@ -103,13 +103,19 @@ def _angles(
 
 
 def _parabola_slope(
-    film: FieldPiece, groove: NDArray[np.int64], x: NDArray[np.float64], y: NDArray[np.float64]
+    film: FieldPiece,
+    groove: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    middle: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (dz/dx, dz/dy) of the parabola at x from the centre: C x and -C'(y)/2 (w² - x²)."""
-    index = np.clip(np.searchsorted(film.along, y, side="right") - 1, 0, len(film.along) - 2)
-    rate = (film.curvature[groove, index + 1] - film.curvature[groove, index]) / np.diff(
-        film.along
-    )[index]
+    """Return (dz/dx, dz/dy) of the parabola at x from the centre: C x and -C'/2 (w² - x²).
+
+    C' jumps at the nodes: it is that at `middle`, the y of the facet's middle.
+    """
+    index = np.clip(np.searchsorted(film.along, middle, side="right") - 1, 0, len(film.along) - 2)
+    change = film.curvature[groove, index + 1] - film.curvature[groove, index]
+    rate = change / np.diff(film.along)[index]
     w = film.groove.half_width
     return film.curvature_at(groove, y) * x, -rate / 2 * (w - x) * (w + x)
 
