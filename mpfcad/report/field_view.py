@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Most stations drawn along, and lines to each side of a groove's centre.
 STATIONS, LINES = 61, 8
 #: How much longer than wide the drawing is, at most: grooves are drawn shortened.
-LENGTH_TO_WIDTH = 2.5
+LENGTH_TO_WIDTH = 2.0
 
 
 def field_figure(film: FieldPiece) -> "go.Figure":
@@ -39,7 +39,7 @@ def field_figure(film: FieldPiece) -> "go.Figure":
         height=380,
         margin={"l": 60, "r": 10, "t": 10, "b": 50},
         font={"family": "system-ui, sans-serif", "size": 12, "color": "#222"},
-        xaxis={"title": {"text": "across [mm]"}},
+        xaxis={"title": {"text": "across [mm]"}, "constrain": "domain"},
         yaxis={"title": {"text": "along [mm]"}, "scaleanchor": "x"},
     )
     return figure
@@ -69,7 +69,10 @@ def field_view(mesh: Path, film: FieldPiece) -> "go.Figure":
     stretch = min(film.size[1] / width, LENGTH_TO_WIDTH)
     up = (film.groove.depth + BASE_SHOWN) / width
     ratio = {"x": 1.0, "y": stretch, "z": up}
-    figure.update_layout(scene_aspectmode="manual", scene_aspectratio=ratio)
+    eye = {"x": 1.5, "y": -2.3, "z": 1.6}
+    figure.update_layout(
+        scene_aspectmode="manual", scene_aspectratio=ratio, scene_camera={"eye": eye}
+    )
     return figure
 
 
