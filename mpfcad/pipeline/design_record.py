@@ -8,7 +8,10 @@ from mpfcad.pipeline.record import versions
 
 
 def describe_design(
-    work: DesignWork, done: list[Iteration], thickness: dict[str, Any] | None
+    work: DesignWork,
+    done: list[Iteration],
+    reach: dict[str, Any] | None,
+    thickness: dict[str, Any] | None,
 ) -> dict[str, Any]:
     """Return everything that was found, in outside names; `thickness` over a range of it."""
     constraint = work.constraint
@@ -24,7 +27,7 @@ def describe_design(
         },
         "lamp_pitch_mm": work.pitch,
         "model": work.model,
-        "reach": work.reach,
+        "reach": reach,
         "thickness_mm": work.stack.thickness,
         "thickness": thickness,
         "iterations": [describe_iteration(one) for one in done],

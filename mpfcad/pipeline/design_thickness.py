@@ -21,12 +21,13 @@ from mpfcad.design import (
     predict,
 )
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design_reach import contrast_bound
 from mpfcad.pipeline.design_record import describe_iteration
 from mpfcad.pipeline.design_work import DesignWork
 from mpfcad.pipeline.kept_point import find_kept, keep_result, point_file
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.sweep_point import Point, conventional_point, trace_point
-from mpfcad.pipeline.thickness_limit import SERVES, describe_limit, outcome, spread_lamps
+from mpfcad.pipeline.thickness_limit import FAILS, SERVES, describe_limit, outcome, spread_lamps
 
 #: What is tried where the least thickness of the range does not serve: more of each sheet's
 #: scattering, and more lamps.
@@ -139,6 +140,7 @@ class ThicknessSearch:
             "least_mm": least,
             "points": points,
             "limit": self._limit(points),
+            "bounds": self._bounds(),
             "remedies": [] if least == self.values[0] else self._remedies(self.values[0]),
         }
 
@@ -170,6 +172,14 @@ class ThicknessSearch:
         keys = ("equal_luminance_mm", "relative_luminance")
         profile = self.design.film.profile
         return {"profile": profile, **found, **{key: light[key] for key in keys}}
+
+    def _bounds(self) -> list[dict[str, float]]:
+        """Return what no map goes below, where none that was traced serves."""
+        failed = [t for t in sorted(self.traced) if self._outcome(t) == FAILS]
+        return [
+            {"thickness_mm": t, "contrast_bound": contrast_bound(self.work(t), self.traced[t])}
+            for t in failed
+        ]
 
     def _conventional(self) -> float:
         """Return the conventional stack's mean luminance [cd/m²], traced once."""

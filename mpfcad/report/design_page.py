@@ -74,7 +74,7 @@ def _result(record: dict[str, Any]) -> str:
             )
         )
     if record["reach"]:
-        facts.append(("luminance between the lamps over that above, by any C in range",
+        facts.append(("luminance between the lamps over that above, found with C in its range",
                       _reach_words(record["reach"])))  # fmt: skip
     return fact_table(facts)
 
@@ -83,16 +83,19 @@ def _reach_words(reach: dict[str, Any]) -> str:
     """Return the extremes that the model gives, and the trace that proves the nearer one."""
     low, high = reach["luminance_ratio"]
     words = f"{low:.4f} … {high:.4f} by the corrected model"
-    if reach["contrast_bound"] == 0:
+    if low <= 1 <= high:
         words += ": they can be made equal"
-    else:
-        words += f": no map has a contrast below {reach['contrast_bound']:.4f}"
     if reach["traced"]:
         words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
     if reach["free_contrast"] is not None:
         words += (
             f". Least contrast found for a map of 10 harmonics that may change as steeply as it "
             f"likes: {reach['free_contrast']:.4f}"
+        )
+    if reach["contrast_bound"] is not None:
+        words += (
+            f". No map that is the same on both sides of the lamp, steep or not, has a contrast "
+            f"below {reach['contrast_bound']:.4f}: a bound over all of them, by the corrected model"
         )
     return words
 

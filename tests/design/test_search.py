@@ -11,6 +11,7 @@ from mpfcad.design import (
     Goal,
     Traced,
     best_of,
+    bound_contrast,
     cosine_basis,
     find_optimum,
     predict,
@@ -20,6 +21,7 @@ from mpfcad.design import (
     series_rows,
 )
 from mpfcad.design.cosine import project
+from mpfcad.design.optimum import contrast_of, map_on_cells
 from mpfcad.design.reach import find_reach
 from mpfcad.design.thesis import invert
 
@@ -156,7 +158,27 @@ def test_no_map_goes_beyond_the_reach(lamps):
     # Lamps far stronger than the film can hide: the reach says so, and the optimum obeys it.
     truth = Correction(1.0, np.array([0.4, 0.0, 0.0, 0.0]))
     reach = find_reach(lamps, truth, 20.0, 80.0)
-    assert reach.ratio[1] < 1
+    assert reach.ratio[1] < 1 and not reach.overlaps
     best = find_optimum(np.array([50.0, 0, 0, 0]), lamps, truth, WIDE, Goal(), PITCH)
-    assert predict(best, lamps, truth).contrast >= reach.contrast - 1e-3 > 0.05
-    assert find_reach(lamps, Correction.none(), 20.0, 80.0).contrast == 0
+    least = (1 - reach.ratio[1]) / (1 + reach.ratio[1])
+    assert predict(best, lamps, truth).contrast >= least - 1e-3 > 0.05
+    assert find_reach(lamps, Correction.none(), 20.0, 80.0).overlaps
+
+
+def test_no_map_goes_below_the_bound_and_parts_raise_it(lamps):
+    truth = Correction(1.0, np.array([0.4, 0.0, 0.0, 0.0]))
+    rough, fine = (bound_contrast(lamps.operators, truth, 20.0, 80.0, parts) for parts in (1, 9))
+    random = np.random.default_rng(1)
+    half = lamps.grid.cells // 2
+    maps = [np.where(random.random(half) < random.random(), 20.0, 80.0) for _ in range(20)]
+    maps += [random.uniform(20, 80, half) for _ in range(20)]
+    found = [truth.apply(lamps.grid.centre, unsmoothed(lamps, np.r_[m, m[::-1]])) for m in maps]
+    best = find_optimum(np.array([50.0, 0, 0, 0]), lamps, truth, WIDE, Goal(), PITCH)
+    found.append(truth.apply(lamps.grid.centre, unsmoothed(lamps, map_on_cells(best, lamps))))
+    least = min(map(contrast_of, found))
+    assert 0.01 < rough <= fine <= least
+    assert bound_contrast(lamps.operators, Correction.none(), 20.0, 80.0) == pytest.approx(0)
+
+
+def unsmoothed(response, curvature):
+    return response.derivative(curvature, np.zeros((0, len(curvature))))[0]
