@@ -32,7 +32,7 @@ def describe_design(
         "thickness": thickness,
         "iterations": [describe_iteration(one) for one in done],
         "chosen": done.index(work.best(done)),
-        "paths": sum(one.traced.paths for one in done),
+        "paths": sum(one.paths for one in done),
         "versions": versions(),
     }
 
@@ -46,6 +46,10 @@ def describe_iteration(one: Iteration) -> dict[str, Any]:
             "lamp_mura_contrast": one.predicted_contrast,
             "mean_luminance_cd_m2": one.predicted_mean,
         }
+    shifted = one.shifted and {
+        "value": one.shifted.contrast,
+        "ci95": [one.shifted.contrast_low, one.shifted.contrast_high],
+    }
     half = 1.959963984540054 * traced.mean_error
     return {
         "label": one.label,
@@ -61,5 +65,6 @@ def describe_iteration(one: Iteration) -> dict[str, Any]:
             "ci95": [traced.mean - half, traced.mean + half],
         },
         "fit_coefficient_cd_m2": list(traced.coefficient),
-        "paths": traced.paths,
+        "shifted_lamp_mura_contrast": shifted,
+        "paths": one.paths,
     }

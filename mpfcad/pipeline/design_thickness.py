@@ -101,7 +101,8 @@ class ThicknessSearch:
         """Return whether a map that the search finds at a thickness serves, by its trace."""
         work = self.work(thickness)
         self.traced[thickness] = work.search_maps(self.limit)
-        self._correction = correction_of(self.traced[thickness], work.response)
+        shift = work.goal.registration / work.pitch
+        self._correction = correction_of(self.traced[thickness], work.response, shift)
         return self._outcome(thickness) == SERVES
 
     def best(self, thickness: float) -> Iteration:
@@ -109,7 +110,7 @@ class ThicknessSearch:
         return self.work(thickness).best(self.traced[thickness])
 
     def _outcome(self, thickness: float) -> str:
-        traced = self.best(thickness).traced
+        traced = self.best(thickness).worst
         return outcome({"ci95": [traced.contrast_low, traced.contrast_high]}, self.limit)
 
     def describe(self, least: float | None) -> dict[str, Any]:
@@ -126,7 +127,7 @@ class ThicknessSearch:
                 keys = ("label", "lamp_mura_contrast", "mean_luminance_cd_m2", "curvature_per_mm")
                 traced = {key: whole[key] for key in keys}
                 traced["outcome"] = self._outcome(thickness)
-                traced["paths"] = sum(one.traced.paths for one in self.traced[thickness])
+                traced["paths"] = sum(one.paths for one in self.traced[thickness])
             model = {
                 "lamp_mura_contrast": found.contrast,
                 "mean_luminance_cd_m2": found.mean,

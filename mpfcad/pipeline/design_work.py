@@ -129,21 +129,26 @@ class DesignWork:
         value = level[np.argmin(np.abs(value[:, None] - level), axis=1)]
         return value if process is None else process.curvature(value)
 
-    def trace(self, rows: NDArray[np.float64], label: str, number: int) -> Traced:
-        """Return what a full trace of the map's mesh says, from the kept traces if it is there."""
-        kept = self.state.find(number, rows)
+    def trace(
+        self, rows: NDArray[np.float64], label: str, number: int, shift: float = 0.0
+    ) -> Traced:
+        """Return what a full trace of the map's mesh says, from the kept traces if it is there.
+
+        The film is shifted against the lamps by `shift` [mm], with the same random numbers.
+        """
+        kept = self.state.find(number, rows, shift)
         if kept is not None:
             return kept
-        self.progress.stage(f"tracing {label}")
+        self.progress.stage(f"tracing {label}" + (f", shifted {shift:g} mm" if shift else ""))
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
             plan = self._plan(folder, rows)
             write_cad(plan, folder, ("stl",), SILENT)
-            traced = self._trace_mesh(folder / "film.stl", plan, number)
-        self.state.keep(number, rows, traced)
+            traced = self._trace_mesh(folder / "film.stl", plan.offset + shift, number)
+        self.state.keep(number, rows, shift, traced)
         return traced
 
-    def _trace_mesh(self, mesh: Path, plan: Plan, number: int) -> Traced:
+    def _trace_mesh(self, mesh: Path, offset: float, number: int) -> Traced:
         from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
         run = TraceRun(
@@ -152,7 +157,7 @@ class DesignWork:
             path_limit=round(self.design.search.paths_million * 1e6),
             progress=self.progress.trace,
         )
-        lit = light_film(self.stack, mesh, plan.offset)
+        lit = light_film(self.stack, mesh, offset)
         found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
         contrast, mean = found.contrast, found.mean_luminance
         return Traced(

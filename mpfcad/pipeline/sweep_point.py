@@ -206,7 +206,7 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     job = {**point.job, "map": {"file": str(folder / "map.csv"), "extent": "pitch"}}
     searched = {
         "series_per_mm": list(work.best(done).series),
-        "paths": sum(one.traced.paths for one in done),
+        "paths": sum(one.paths for one in done),
         "reach": reach,
     }
     return searched, replace(point, job=job).plan()

@@ -102,6 +102,7 @@ def _reach_words(reach: dict[str, Any]) -> str:
 
 def _iterations(record: dict[str, Any]) -> str:
     rows, spent = [], 0
+    moved = record["design"]["constraint"]["registration_mm"]
     for one in record["iterations"]:
         spent += one["paths"]
         curvature, predicted = one["curvature_per_mm"], one["predicted"]
@@ -115,8 +116,13 @@ def _iterations(record: dict[str, Any]) -> str:
                 short(spent / 1e6, 4),
             ]
         )
+        if moved:
+            shifted = one["shifted_lamp_mura_contrast"]
+            rows[-1].append("–" if shifted is None else with_interval(shifted, 4))
     head = ("", "C [1/mm]", "contrast: model", "traced [95 %]", "mean luminance [cd/m²]",
             "paths so far [million]")  # fmt: skip
+    if moved:
+        head += (f"shifted {moved:g} mm, traced",)
     return (
         figure(
             figure_html(curves_figure(record), "curves"),
@@ -129,7 +135,7 @@ def _iterations(record: dict[str, Any]) -> str:
             "Lamp-Mura contrast (L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + "
             "L<sub>min</sub>) of each traced map with its 95 % interval over the paths spent.",
         )
-        + table(head, rows, numeric=(1, 2, 3, 4, 5))
+        + table(head, rows, numeric=range(1, len(head)))
     )
 
 

@@ -12,6 +12,7 @@ from mpfcad.design import (
     Traced,
     best_of,
     bound_contrast,
+    correction_of,
     cosine_basis,
     find_optimum,
     predict,
@@ -112,14 +113,15 @@ class Bench:
         self.response, self.truth = response, Correction(1.02, np.array(relative))
         self.paths = 0
 
-    def __call__(self, rows, label, number):
-        curvature = np.interp(self.response.grid.centre, row_position(), rows)
-        luminance = self.truth.apply(self.response.grid.centre, self.response.luminance(curvature))
-        waves = cosine_basis(self.response.grid.centre, 4)
-        cosine = 2 * luminance @ waves / len(waves)
+    def __call__(self, rows, label, number, shift):
+        centre = self.response.grid.centre
+        curvature = np.interp((centre - shift / PITCH) % 1, row_position(), rows)
+        luminance = self.response.luminance(curvature)
+        luminance = self.truth.apply(centre, luminance, shifted=shift != 0)
         coefficient = [luminance.mean()]
-        for value in cosine[1:]:
-            coefficient += [value, 0.0]
+        for k in range(1, 5):
+            for wave in (np.cos, np.sin):
+                coefficient.append(2 * np.mean(luminance * wave(2 * np.pi * k * centre)))
         contrast = (luminance.max() - luminance.min()) / (luminance.max() + luminance.min())
         self.paths += 1000
         return Traced(contrast, contrast, contrast, luminance.mean(), 0.0, tuple(coefficient), 1000)
@@ -136,6 +138,24 @@ def test_the_search_learns_from_the_trace(lamps):
     assert done[0].traced.contrast > 0.005
     assert best_of(done, Goal()).traced.contrast <= 0.002
     assert len(done) <= 3
+
+
+def test_the_search_traces_the_shifted_map_and_lowers_the_worst(lamps):
+    odd = np.array([0.004, 0.0, 0.0, 0.0])
+    shift, stop = 4.0, {"iterations": 3, "contrast_target": 1e-6}
+    found = []
+    for goal in (Goal(), Goal(registration=shift)):
+        bench = Bench(lamps, RELATIVE)
+        bench.truth = Correction(1.02, np.array(RELATIVE), odd)
+        done = search_by_response(lamps, WIDE, goal, PITCH, bench, **stop)
+        best = best_of(done, goal)
+        moved = bench(np.array(best.rows), "", 0, shift)
+        found.append(max(best.traced.contrast, moved.contrast))
+    assert best.shifted == moved and best.worst.contrast == found[1]
+    assert found[1] < found[0]
+    correction = correction_of(done, lamps, shift / PITCH)
+    assert correction.relative == pytest.approx(RELATIVE, abs=1e-4)
+    assert correction.odd == pytest.approx(odd, abs=1e-4)
 
 
 def test_fewer_traces_than_the_published_method_and_less_contrast(lamps):
