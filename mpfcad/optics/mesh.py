@@ -48,11 +48,33 @@ def read_film_mesh(path: Path) -> FilmMesh:
         when the file is missing or no binary STL, or the mesh is open, inverted, without a flat
         underside, or does not repeat from side to side; the text names the place.
     """
-    path = Path(path)
-    corner = read_facets(path)
-    vertex, facet = weld(corner)
-    _check_finite(path, vertex)
+    vertex, facet = read_solid(path)
     check_solid(path, vertex, facet)
+    return film_of(path, vertex, facet)
+
+
+def read_solid(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (v, 3) [mm] and facets (n, 3) of a binary STL file, whatever they bound.
+
+    Raises
+    ------
+    InputError
+        when the file is missing or no binary STL, or a number in it is not finite.
+    """
+    path = Path(path)
+    vertex, facet = weld(read_facets(path))
+    _check_finite(path, vertex)
+    return vertex, facet
+
+
+def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
+    """Return the film tile that the facets of a solid are.
+
+    Raises
+    ------
+    InputError
+        when it is no film or does not repeat from side to side; the text names the place.
+    """
     low, high = vertex.min(axis=0), vertex.max(axis=0)
     vertex = vertex - low
     size = high - low
