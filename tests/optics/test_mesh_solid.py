@@ -117,12 +117,6 @@ def test_a_film_is_known_to_be_one_height():
     assert not is_height_field(*weld(drawn(OVERHANG).astype("<f4")))
 
 
-def test_an_overhang_is_refused(tmp_path):
-    path = write_facets(tmp_path / "a.stl", drawn(OVERHANG))
-    with pytest.raises(InputError, match=r"overhangs .* mm|mm.* overhangs"):
-        read_film_mesh(path)
-
-
 def test_a_crossing_film_is_refused_in_one_line(tmp_path):
     x, z = row([BARE] * 2, 0.15)
     x[2], z[2] = 0.090, 0.155  # a tip within the wall of the next
