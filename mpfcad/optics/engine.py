@@ -93,7 +93,7 @@ def _pass_film(tile, film, rays, wave):
             wave.upward[slot] = 1 if up else 0
     film_passages(
         tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+        rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
     )  # fmt: skip
     if placed:
         for slot in rays:
