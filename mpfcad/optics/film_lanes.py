@@ -16,12 +16,12 @@ from mpfcad.optics.lanes import (
     copy_sign,
     floor,
     magnitude,
-    real,
     select,
     spread,
 )
 from mpfcad.optics.lanes_array import load, load_lines, store, store_lines
-from mpfcad.optics.sampling import KEY0, KEY1, STREAM, philox4x32
+from mpfcad.optics.sampling import KEY0, KEY1, STREAM
+from mpfcad.optics.sampling_lanes import next_two, take
 
 #: Columns of a ray's place: x, y, z [mm], the direction, two that are free.
 PLACE_SIZE = 8
@@ -79,9 +79,7 @@ def film_passages(
                 ends, chain.segment, x, z, dx, dz, k, amid, inside, looking
             )
             y = y + distance * dy
-            a, b, c, d = philox4x32(draw, stream, path0, path1, key0, key1)
-            fore, aft = (a << 32) | b, (c << 32) | d
-            number = real(select(has, spare, fore) >> 11) * 2.0**-53
+            number, other, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
             # The segment met.
             approach = against * nz
             size = magnitude(approach)
@@ -110,7 +108,7 @@ def film_passages(
             # The underside, from within or (entering) from below.
             under = entering | (gone & inside)
             z = select(under, 0.0, z)
-            number = select(met, real(select(has, fore, aft) >> 11) * 2.0**-53, number)
+            number = select(met, other, number)
             ratio = select(inside, index / index_below, index_below / index)
             size = magnitude(dz)
             reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
@@ -122,12 +120,8 @@ def film_passages(
             down = under & (mirrored ^ inside)
             inside = inside ^ passed
             fresh, entering = under & (down ^ True), no
-            # Each meeting has taken a number; a draw gives two.
-            odd = met ^ under
-            drawn = (met & under) | (odd & (has ^ True))
-            draw = select(drawn, draw + 1, draw)
-            spare = select(drawn, aft, spare)
-            has = has ^ odd
+            # Each meeting has taken a number.
+            draw, spare, has = take(draw, spare, has, aft, met ^ under, met & under)
             rounds = rounds + 1
             lost = live & (rounds > _MOST_ROUNDS)
             ended = down | lost | (gone & (under ^ True))

@@ -38,8 +38,8 @@ class Wave(NamedTuple):
         (s, f) float64, where the path's weight went
     queue, length
         (e, s) int64, slots that wait before each element; (e,) int64, how many
-    batch
-        (s,) int64, scratch: the slots of one queue
+    batch, freed
+        (s,) int64, scratch: the slots of one queue; those whose paths have ended
     lane_place, lane_rng, lane_ray
         (8, 8), (8, 8), (1, 8), scratch of `film_passages`
     """
@@ -56,6 +56,7 @@ class Wave(NamedTuple):
     queue: NDArray[np.int64]
     length: NDArray[np.int64]
     batch: NDArray[np.int64]
+    freed: NDArray[np.int64]
     lane_place: NDArray[np.float64]
     lane_rng: NDArray[np.uint64]
     lane_ray: NDArray[np.int64]
@@ -71,7 +72,7 @@ class Wave(NamedTuple):
             np.zeros((SLOTS, PLACE_SIZE)), np.zeros(SLOTS), np.zeros(SLOTS),
             whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
             np.zeros((SLOTS, RNG_SIZE), np.uint64), np.zeros((SLOTS, flows)),
-            whole(elements, SLOTS), whole(elements), whole(SLOTS),
+            whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
             np.zeros((LANES, PLACE_SIZE)), np.zeros((LANES, RNG_SIZE), np.uint64), whole(1, LANES),
         )  # fmt: skip
 
