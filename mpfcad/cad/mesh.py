@@ -168,7 +168,7 @@ def _lay_out(
         drop = film.curvature[groove[which]] / 2 * (half_width - local) * (half_width + local)
         return film.thickness - drop
 
-    x = settle(x, parabola & ~middle, np.where(end, np.sign(local), 0), chord, height)
+    x = settle(x, parabola & ~middle & ~end, chord, height)
     local = x - place
     # A groove made wider by the moves has its middle deeper down, by each half's own slope there.
     apart = np.diff(moved)[groove]

@@ -20,7 +20,6 @@ Height = Callable[[NDArray[np.floating], NDArray[np.bool_]], NDArray[np.float64]
 def settle(
     x: NDArray[np.floating],
     movable: NDArray[np.bool_],
-    outward: NDArray[np.float64],
     chord: NDArray[np.float64],
     height: Height,
 ) -> NDArray[np.floating]:
@@ -34,10 +33,7 @@ def settle(
     x
         (m,) [mm]
     movable
-        (m,) which corners may move
-    outward
-        (m,) 0, or the sign of the direction in which a corner at a kink may not move; it may move
-        one step the other way
+        (m,) which corners may move: none at a kink
     chord
         (m,) [mm], width of the facets there
     height
@@ -47,16 +43,13 @@ def settle(
         return x
     step = np.spacing(x[movable]).astype(float)
     width = chord[movable]
-    barred = outward[movable]
-    ends = barred != 0
-    stride = np.where(ends, step, np.maximum(step, STRIDE * width))
-    reach = np.where(ends, step, REACH * width)
+    stride = np.maximum(step, STRIDE * width)
     best = x[movable]
     error = _error(height(best, movable), x.dtype)
     for trial in [*range(-TRIALS, 0), *range(1, TRIALS + 1)]:
         moved = (x[movable] + trial * stride).astype(x.dtype)
         off = _error(height(moved, movable), x.dtype)
-        better = (off < error) & (abs(trial) * stride <= reach) & (barred * trial <= 0)
+        better = (off < error) & (abs(trial) * stride <= REACH * width)
         best = np.where(better, moved, best)
         error = np.where(better, off, error)
     x = x.copy()
