@@ -23,8 +23,8 @@ class MeshCheck:
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
     secant_error_rms
-        rms angle [rad] between a facet and the secant of the film's surface between its two ends;
-        None where the surface bends in both directions
+        rms angle [rad], over the area, between a facet and the secant of the film's surface between
+        its two ends; None where the surface bends in both directions
     secant_error_groove
         the same of the groove where it is largest; None of measured surfaces and of cells
     normal_error_max, normal_error_limit
@@ -38,6 +38,11 @@ class MeshCheck:
         (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls (of
         cells: one value; of grooves that change along: (n, k) at k places); None of a measured
         surface
+    secant_error_max
+        the largest of the angles that `secant_error_rms` is of; None where that is
+    tip_error_max
+        largest distance [mm] of a tip from its place, with its half grooves beside it; 0 where
+        corners are compared in place
     """
 
     watertight: bool
@@ -51,6 +56,8 @@ class MeshCheck:
     height_error_max: float
     triangle_count: int
     curvature: NDArray[np.float64] | None
+    secant_error_max: float | None = None
+    tip_error_max: float = 0.0
 
 
 def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
