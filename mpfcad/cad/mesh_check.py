@@ -94,7 +94,7 @@ def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
     refuse_above(path, "stored normal against the corners", float(misfit.max()), 1e-5)
 
-    points, faces = _join(corner)
+    points, faces = join_corners(corner)
     mesh = trimesh.Trimesh(points, faces, process=False)
     if not (mesh.is_watertight and mesh.is_winding_consistent):
         raise ExportError(f"{path.name}: not one closed surface: some edges have no pair")
@@ -113,7 +113,7 @@ def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     return float(mesh.volume)
 
 
-def _join(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def join_corners(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the distinct corners (v, 3) and the facets (t, 3) as indices of them.
 
     Only corners of the same bits are one; the three float32 are packed, two at a time, into keys.
