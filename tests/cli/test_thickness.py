@@ -163,6 +163,9 @@ def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_pa
     bare, *changed = found["remedies"]
     assert bare["override"] == {} and len(changed) == 4
     assert min(one["lamp_mura_contrast"] for one in changed) < bare["lamp_mura_contrast"]
+    bounds = {one["thickness_mm"]: one["contrast_bound"] for one in found["bounds"]}
+    assert 0.09 < bounds[8.0] <= bare["lamp_mura_contrast"]
+    assert "The printed film cannot serve 8 mm" in result.stdout
     assert f"Least thickness that serves, of 8 … 20 mm: {least:g} mm." in result.stdout
     assert "conventional stack's" in result.stdout
 
