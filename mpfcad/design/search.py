@@ -162,8 +162,8 @@ def correction_of(
 ) -> Correction:
     """Return what the traces so far say of the model, each weighted by its paths.
 
-    `registration_pitch`: the shift of the shifted ones, which are left out where it is 0; they
-    alone say something of the sines.
+    `registration_pitch`: the shift of the shifted ones, left out where it is 0; they alone say
+    something of the sines.
     """
     if not done:
         return Correction.none()
