@@ -141,7 +141,7 @@ class ThicknessSearch:
             "least_mm": least,
             "points": points,
             "limit": self._limit(points),
-            "bounds": self._bounds(),
+            "bounds": self._bounds(least),
             "remedies": [] if least == self.values[0] else self._remedies(self.values[0]),
         }
 
@@ -174,12 +174,18 @@ class ThicknessSearch:
         profile = self.design.film.profile
         return {"profile": profile, **found, **{key: light[key] for key in keys}}
 
-    def _bounds(self) -> list[dict[str, float]]:
-        """Return what no map goes below, where none that was traced serves."""
-        failed = [t for t in sorted(self.traced) if self._outcome(t) == FAILS]
+    def _bounds(self, least: float | None) -> list[dict[str, Any]]:
+        """Return what no map goes below at the smallest thickness and where a traced one fails."""
+        failed = {t for t in self.traced if self._outcome(t) == FAILS}
+        if least != self.values[0]:
+            failed.add(self.values[0])
         return [
-            {"thickness_mm": t, "contrast_bound": contrast_bound(self.work(t), self.traced[t])}
-            for t in failed
+            {
+                "thickness_mm": t,
+                "contrast_bound": contrast_bound(self.work(t), self.traced.get(t, [])),
+                "corrected": t in self.traced,
+            }
+            for t in sorted(failed)
         ]
 
     def _conventional(self) -> float:

@@ -58,12 +58,20 @@ def range_words(found: dict[str, Any]) -> list[str]:
     else:
         words = [f"Least thickness that serves, of {span}: {least:g} mm."]
     words += limit_words(found["limit"])
-    words += [
-        f"At {one['thickness_mm']:g} mm no map of C in the range has a contrast below "
-        f"{one['contrast_bound']:.4f}, by the model corrected by its traces."
-        for one in found["bounds"]
-    ]
+    words += [_bound_words(one, found) for one in found["bounds"]]
     return words + _help_words(found)
+
+
+def _bound_words(one: dict[str, Any], found: dict[str, Any]) -> str:
+    """Return what no map goes below at a thickness, and plainly whether that decides it."""
+    words = f"no map of C in the range has a contrast below {one['contrast_bound']:.4f}, by the "
+    words += (
+        "model corrected by its traces" if one["corrected"] else "model, which no trace corrects"
+    )
+    if one["contrast_bound"] > found["contrast_limit"]:
+        film = _FILM[found["limit"]["profile"]]
+        return f"{film} film cannot serve {one['thickness_mm']:g} mm: {words}."
+    return f"At {one['thickness_mm']:g} mm {words}."
 
 
 def _help_words(found: dict[str, Any]) -> list[str]:
