@@ -4,9 +4,9 @@
 as users would (*mesh*: all grooves of a lamp's pitch) and, where named, as the best case of a
 renderer (*cell*: two pitches between perfect mirrors). Both figures of a pair are printed with what
 they measure; a goal counts as met only where they differ by less than 5 standard errors and 1 %.
-raysect gets the cell, and Mitsuba its like for the stack. Peers come from the extra `benchmark`; one
-that is not installed is named as absent. Mitsuba looks for LLVM's library: DRJIT_LIBLLVM_PATH names
-it.
+raysect gets the cell, and Mitsuba its like for the stack. Peers come from the extra `benchmark`;
+one that is not installed is named as absent. Mitsuba looks for LLVM's library: DRJIT_LIBLLVM_PATH
+names it.
 """
 
 import argparse
