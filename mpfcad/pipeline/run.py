@@ -7,6 +7,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.field import refuse_single
 from mpfcad.pipeline.make import (
     RUN_CAD_FORMATS,
     check_cad,
@@ -57,6 +58,8 @@ def run_job(
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    if plan.field_film is not None:
+        refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
     with export_folder(out, "run") as folder:
         write_curvature(plan, folder)
