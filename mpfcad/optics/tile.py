@@ -62,7 +62,7 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
     TraceError
         when the accelerator asked for does not fit the mesh.
     """
-    z = mesh.vertex[np.unique(mesh.top), 2]
+    z = mesh.vertex[mesh.used, 2]
     made = dict.fromkeys(ACCELERATORS)
     for name, build in _BUILD:
         if accelerator in (None, name):
