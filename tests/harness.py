@@ -26,6 +26,14 @@ _BOW = np.linspace(-0.04 / 3, 0.04 / 3, 23)
 CONCAVE = (np.r_[-HALF, _BOW, HALF], np.r_[DEPTH, 0.008 + 30 * _BOW**2, DEPTH])
 
 
+_FLOOR = np.linspace(-0.018, 0.018, 13)
+#: A groove that is wider below than at its mouth, between lands.
+REENTRANT = (
+    np.r_[-HALF, -0.012, _FLOOR, 0.012, HALF],
+    np.r_[DEPTH, DEPTH, 0.005 + 20 * (_FLOOR**2 - 0.018**2), DEPTH, DEPTH],
+)
+
+
 def groove(curvature: float, profile: str = "filled", chords: int = 24):
     """Return (x, z) of a groove whose parabola has C [1/mm] through the tips, x from -w to w."""
     contact = HALF

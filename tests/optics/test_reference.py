@@ -37,11 +37,10 @@ def stack(name, folder, accelerator=None):
     return [CAVITY, GROOVED, Film(mesh, 1.55, 1.49, accelerator=accelerator), TOP]
 
 
-@pytest.mark.parametrize("accelerator", ["section", "bvh"])
 @pytest.mark.parametrize("name", SECTIONS)
-def test_undercuts_and_several_bodies_equal_the_oracle(tmp_path, name, accelerator):
-    film = Film(section_mesh(tmp_path, name), 1.55, offset=0.013, accelerator=accelerator)
-    compare([Film(film_mesh(tmp_path, MIXED), 1.5), BOTTOM, film], 60, below=1.0)
+def test_undercuts_and_several_bodies_equal_the_oracle(tmp_path, name):
+    film = Film(section_mesh(tmp_path, name), 1.55, offset=0.013)
+    compare([Film(film_mesh(tmp_path, MIXED), 1.5), BOTTOM, film], 30, below=1.0)
 
 
 def compare(elements, count, first=0, below=0.0, chaotic=0.0, tilt=(0.0, 0.0), acceptance=0.5):
