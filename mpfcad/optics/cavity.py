@@ -95,8 +95,8 @@ def lambertian(nx, ny, nz, rng):
 
 @kernel
 def reflector_direction(specular_fraction, dx, dy, dz, rng):
-    """Return the direction after the reflector: mirrored or Lambertian."""
+    """Return whether the reflector mirrors a ray, and its direction after: mirrored or Lambertian."""
     if uniform(rng) < specular_fraction:
-        return dx, dy, -dz
+        return True, dx, dy, -dz
     px, py = disk(rng)
-    return px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))
+    return False, px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))

@@ -27,10 +27,11 @@ from mpfcad.optics.film import (
 )
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.net import NET
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
-from mpfcad.optics.sampling import start_path
+from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.source import Source, start_ray
 from mpfcad.optics.tile import CHAIN
@@ -38,15 +39,16 @@ from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one point in one block.
-BLOCK = 512
+BLOCK = NET
 
 
 @kernel
 def _begin(scene, source, seed, stream, path, slot, number, wave):
     """Put a new path into a slot and before its first element."""
     rng = wave.rng[slot]
-    start_path(rng, seed, stream, path)
-    point = path % uint64(len(source.position))
+    points = uint64(len(source.position))
+    start_net_path(rng, seed, stream, path, points)
+    point = path % points
     e, up, x, y, z, dx, dy, dz, lamp = start_ray(scene, source, point, rng)
     place = wave.place[slot]
     place[0], place[1], place[2], place[3], place[4], place[5] = x, y, z, dx, dy, dz
@@ -134,11 +136,11 @@ def _go_on(scene, e, slot, wave):
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2):
+def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 
-    Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
-    squares; `wave` is scratch. A scene without elements has no paths.
+    Paths go round the points. flow (f,) gets the sums of where the weights went; `wave` is scratch.
+    A scene without elements has no paths.
     """
     started = min(len(wave.way), len(radiance))
     for slot in range(started):
@@ -158,7 +160,6 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
             radiance[wave.path[slot]] = wave.radiance[slot]
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
-                flow2[f] += wave.once[slot, f] * wave.once[slot, f]
             if started < len(radiance):
                 path = first + uint64(started)
                 _begin(scene, source, seed, stream, path, slot, started, wave)
@@ -185,13 +186,14 @@ def trace(
 
     def one(block: int) -> Tally:
         radiance = np.empty((BLOCK, points))
-        flow, flow2 = np.zeros(flows), np.zeros(flows)
+        flow = np.zeros(flows)
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),
             np.uint64(block * radiance.size), Wave.empty(len(scene.kind), flows),
-            radiance.reshape(-1), flow, flow2,
+            radiance.reshape(-1), flow,
         )  # fmt: skip
-        return Tally(radiance.sum(axis=0), (radiance**2).sum(axis=0), flow, flow2, BLOCK)
+        score = radiance.sum(axis=0)
+        return Tally(score, (radiance**2).sum(axis=0), score**2, flow, flow**2, BLOCK, 1)
 
     total = Tally.empty(points, flows)
     with ThreadPoolExecutor(threads) as pool:

@@ -32,6 +32,7 @@ from mpfcad.optics.sampling import (
     PATH1,
     SPARE,
     STREAM,
+    net_number,
     philox4x32,
 )
 
@@ -105,10 +106,14 @@ def film_passages(
             size = magnitude(approach)
             reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
             a, b, c, d = philox4x32(draw, stream, path0, path1, key0, key1)
-            number = real(select(has, spare, (a << 32) | b) >> 11) * 2.0**-53
-            spare = select(has, spare, (c << 32) | d)
+            drawn = select(has, spare, (a << 32) | b)
+            netted = draw < 0
+            if any_of(live & netted):
+                drawn = select(netted, net_number(spare, draw), drawn)
+            number = real(drawn >> 11) * 2.0**-53
+            spare = select(has | netted, spare, (c << 32) | d)
             draw = select(meets & (has ^ True), draw + 1, draw)
-            has = has ^ meets
+            has = has ^ (meets & (netted ^ True))
             mirrored = number < reflectance
             bend = select(
                 mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach

@@ -50,7 +50,7 @@ def test_paths_through_scattering_resin_equal_the_oracle(tmp_path, accelerator, 
     source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
     single_paths(build_scene(elements), source, 1, 0, found, flow)
     oracle = ReferenceTracer(elements)
-    expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(20)]
+    expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p, 1)) for p in range(20)]
     assert np.any(expected)
     assert np.abs(found - expected).max() < 1e-9 * np.max(expected)
 
