@@ -84,11 +84,12 @@ def _direct(cavity: Cavity, x: float, mirrored: Vector) -> tuple[float, range]:
 def _lamp(
     cavity: Cavity, x: float, z: float, d: Vector, own: int | None
 ) -> tuple[float, int | None]:
-    """Return (distance, number) of the nearest lamp among those within 40 pitches."""
+    """Return (distance, number) of the nearest lamp among all under the ray's way to a plane."""
     best, lamp = math.inf, None
-    middle = round((x - cavity.lamp_position) / cavity.lamp_pitch)
+    end = x + ((cavity.height if d[2] > 0 else 0.0) - z) / d[2] * d[0]
+    low, high = ((v - cavity.lamp_position) / cavity.lamp_pitch for v in sorted((x, end)))
     along = d[0] ** 2 + d[2] ** 2
-    for number in range(middle - 40, middle + 41):
+    for number in range(math.floor(low) - 1, math.ceil(high) + 2):
         if number == own:
             continue
         ox = x - (cavity.lamp_position + number * cavity.lamp_pitch)

