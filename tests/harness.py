@@ -180,7 +180,6 @@ def single_paths(scene, source, seed, first, out, flow):
     wave = Wave.empty(len(scene.kind), len(flow))
     trace_paths(
         scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
-        np.zeros(len(flow)),
     )  # fmt: skip
 
 

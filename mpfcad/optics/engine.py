@@ -12,8 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numba import njit, uint64
 
-from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.element import FILM
+from mpfcad.optics.cavity import BRDF, NO_LAMP
+from mpfcad.optics.cavity_lanes import cavity_passages
+from mpfcad.optics.element import CAVITY, FILM
 from mpfcad.optics.film import (
     COSINE,
     FLIPPED,
@@ -28,10 +29,11 @@ from mpfcad.optics.film import (
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES
+from mpfcad.optics.net import NET
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
-from mpfcad.optics.sampling import start_path
+from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.source import LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
@@ -40,15 +42,16 @@ from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one point in one block.
-BLOCK = 512
+BLOCK = NET
 
 
 @kernel
 def _begin(scene, source, seed, stream, path, slot, number, wave):
     """Put a new path into a slot and before its first element."""
     rng = wave.rng[slot]
-    start_path(rng, seed, stream, path)
-    point = path % uint64(len(source.position))
+    points = uint64(len(source.position))
+    start_net_path(rng, seed, stream, path, points)
+    point = path % points
     e, up, x, y, z, dx, dy, dz, lamp = start_ray(scene, source, point, rng)
     place = wave.place[slot]
     place[0], place[1], place[2], place[3], place[4], place[5] = x, y, z, dx, dy, dz
@@ -85,6 +88,28 @@ def _pass_queue(scene, e, rays, wave):
         if tile.accelerator == CHAIN and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
+    if scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
+        _pass_cavity(scene, rays, wave)
+        return
+    _pass_one_by_one(scene, e, rays, wave)
+
+
+@kernel
+def _pass_cavity(scene, rays, wave):
+    """Follow rays through an endless cavity; those that start on its lamps one by one."""
+    count = 0
+    for i in range(len(rays)):
+        if wave.lamp[rays[i]] == NO_LAMP:
+            rays[count], rays[i] = rays[i], rays[count]
+            count += 1
+    for i in range(0, count, LANES):
+        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave)
+    _pass_one_by_one(scene, 0, rays[count:], wave)
+
+
+@kernel
+def _pass_one_by_one(scene, e, rays, wave):
+    """Follow rays through an element of any kind."""
     for slot in rays:
         p = wave.place[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
@@ -150,11 +175,11 @@ def _go_on(scene, e, slot, wave):
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2):
+def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 
-    Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
-    squares; `wave` is scratch. A scene without elements has no paths.
+    Paths go round the points. flow (f,) gets the sums of where the weights went; `wave` is scratch.
+    A scene without elements has no paths.
     """
     started = 0
     freed = wave.freed
@@ -180,7 +205,6 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
             radiance[wave.path[slot]] = wave.radiance[slot]
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
-                flow2[f] += wave.once[slot, f] * wave.once[slot, f]
             freed[free] = slot
             free += 1
 
@@ -205,13 +229,14 @@ def trace(
 
     def one(block: int) -> Tally:
         radiance = np.empty((BLOCK, points))
-        flow, flow2 = np.zeros(flows), np.zeros(flows)
+        flow = np.zeros(flows)
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),
             np.uint64(block * radiance.size), Wave.empty(len(scene.kind), flows),
-            radiance.reshape(-1), flow, flow2,
+            radiance.reshape(-1), flow,
         )  # fmt: skip
-        return Tally(radiance.sum(axis=0), (radiance**2).sum(axis=0), flow, flow2, BLOCK)
+        score = radiance.sum(axis=0)
+        return Tally(score, (radiance**2).sum(axis=0), score**2, flow, flow**2, BLOCK, 1)
 
     total = Tally.empty(points, flows)
     with ThreadPoolExecutor(threads) as pool:

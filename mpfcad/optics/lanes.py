@@ -207,6 +207,18 @@ def any_of(typingctx, mask):
     return types.boolean(mask), lower
 
 
+@intrinsic
+def reversed_bits(typingctx, x):
+    """Return the 64 bits of a whole number, or of eight, in reverse order."""
+    kind = I8 if x == I8 else types.uint64
+
+    def lower(context, builder, sig, args):
+        suffix = "v8i64" if kind == I8 else "i64"
+        return _call(builder, f"llvm.bitreverse.{suffix}", args[0].type, [args[0]])
+
+    return kind(kind), lower
+
+
 def _convert(emit, source: Lanes, result: Lanes):
     @intrinsic
     def function(typingctx, x):

@@ -120,6 +120,6 @@ def test_stacks_of_films_equal_the_oracle(tmp_path, rotation, flipped):
     source = Source(EYE, np.array([0.1]), 0.05, acceptance=0.5)
     single_paths(scene, source, 1, 0, engine, flow)
     oracle = ReferenceTracer(elements, below=1.0)
-    expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(30)]
+    expected = [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p, 1)) for p in range(30)]
     assert np.any(expected)
     assert np.abs(engine - expected).max() < 1e-9 * np.max(expected)
