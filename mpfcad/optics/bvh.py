@@ -197,8 +197,8 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     """Return the next facet a ray meets: (facet or -1, x, y, z, shift x, shift y).
 
     The ray starts at (x, y, z) [mm] in the tile of `size` (width, length); low, high: lowest and
-    highest z of the top. Shifts [mm] lead back to the coordinates before; facet -1: the ray leaves
-    the zone of the top without a hit; -2: it was lost (a hole).
+    highest z of the facets. Shifts [mm] lead back to the coordinates before; facet -1: the ray
+    leaves these heights without a hit; -2: it never does.
     """
     width, length = size
     slack = 16 * 2.3e-16 * max(width, length, high)
@@ -234,8 +234,7 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
             return facet, x, y, z, shift_x, shift_y
         # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
         if leave < edge:
-            lost = inside == upward
-            return (-2 if lost else -1), x, y, z, shift_x, shift_y
+            return -1, x, y, z, shift_x, shift_y
         x += edge * dx
         y += edge * dy
         z += edge * dz

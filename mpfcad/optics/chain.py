@@ -47,7 +47,9 @@ class Chain(NamedTuple):
 
 
 def build_chain(mesh: FilmMesh) -> Chain | None:
-    """Return the chain of a film mesh, or None where it is not one drawn along y."""
+    """Return the chain of a film mesh, or None where it is not one height drawn along y."""
+    if not mesh.underside:
+        return None
     vertex = mesh.vertex[np.unique(mesh.top)]
     length = mesh.size[1]
     if not np.isin(vertex[:, 1], (0.0, length)).all():

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.bvh import Bvh
 from mpfcad.optics.chain import Chain
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.section import Section
 from mpfcad.optics.tile import NO_TILE, Tile
 
 
@@ -22,12 +23,12 @@ class TileTable(NamedTuple):
     Attributes
     ----------
     size
-        (t, 4) float64 [mm], width, length, low and high of each
+        (t, 5) float64 [mm], width, length, low and high of each, and whether it has an underside
     accelerator
         (t,) int64, of each
-    chain, bvh
+    chain, bvh, section
         their accelerators' arrays, joined
-    chain_at, bvh_at
+    chain_at, bvh_at, section_at
         (t+1, fields) int64, where the part of each tile begins in each of those arrays
     """
 
@@ -35,18 +36,21 @@ class TileTable(NamedTuple):
     accelerator: NDArray[np.int64]
     chain: Chain
     bvh: Bvh
+    section: Section
     chain_at: NDArray[np.int64]
     bvh_at: NDArray[np.int64]
+    section_at: NDArray[np.int64]
 
 
 def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     """Return the table of some tiles; of none, one that is never looked at."""
     tiles = tiles or [NO_TILE]
-    size = np.array([(t.width, t.length, t.low, t.high) for t in tiles])
+    size = np.array([(t.width, t.length, t.low, t.high, t.underside) for t in tiles], float)
     accelerator = np.array([t.accelerator for t in tiles], np.int64)
     chain, chain_at = _joined([t.chain for t in tiles])
     bvh, bvh_at = _joined([t.bvh for t in tiles])
-    return TileTable(size, accelerator, chain, bvh, chain_at, bvh_at)
+    section, section_at = _joined([t.section for t in tiles])
+    return TileTable(size, accelerator, chain, bvh, section, chain_at, bvh_at, section_at)
 
 
 def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
@@ -76,5 +80,14 @@ def tile_of(table, t):
         table.bvh.facet[c[3] : d[3]],
         table.bvh.normal[c[4] : d[4]],
     )
-    size = table.size[t]
-    return Tile(size[0], size[1], size[2], size[3], table.accelerator[t], chain, bvh)
+    c, d = table.section_at[t], table.section_at[t + 1]
+    section = Section(
+        table.section.corner[c[0] : d[0]],
+        table.section.segment[c[1] : d[1]],
+        table.section.first[c[2] : d[2]],
+        table.section.normal[c[3] : d[3]],
+        table.section.shape[c[4] : d[4]],
+    )
+    size, accelerator = table.size[t], table.accelerator[t]
+    underside = size[4] != 0.0
+    return Tile(size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section)

@@ -2,6 +2,7 @@
 
 import hashlib
 import tempfile
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -81,21 +82,27 @@ class DesignWork:
         return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
 
     def search(self) -> list[Iteration]:
-        """Return the traced maps."""
+        """Return the traced maps, and find out what any map reaches (`reach`)."""
+        done = self.search_maps(self.design.goal.contrast_target)
+        if self.design.search.method == "response":
+            self.reach = self._reach(self.response, done)
+        return done
+
+    def search_maps(self, contrast_target: float) -> list[Iteration]:
+        """Return the traced maps; the interval of the last ends below the target, if one's does."""
         table, constraint = self.design.search, self.constraint
         stop = {
             "iterations": table.iterations,
-            "contrast_target": self.design.goal.contrast_target,
+            "contrast_target": contrast_target,
             "finish": self._levelled,
         }
         if table.method == "thesis":
             spread = np.linspace(constraint.curvature_min, constraint.curvature_max, _UNIFORM_FILMS)
             uniform = table.uniform_per_mm or [float(f"{c:.4g}") for c in spread]
             return search_by_inversion(uniform, constraint, self.pitch, self.trace, **stop)
-        response = self._response()
-        done = search_by_response(response, constraint, self.goal, self.pitch, self.trace, **stop)
-        self.reach = self._reach(response, done)
-        return done
+        return search_by_response(
+            self.response, constraint, self.goal, self.pitch, self.trace, **stop
+        )
 
     def _reach(self, response: Response, done: list[Iteration]) -> dict[str, Any]:
         """Return what any map reaches; where no map is good enough, its best one is traced too."""
@@ -127,7 +134,9 @@ class DesignWork:
             }
         return found
 
-    def _response(self) -> Response:
+    @cached_property
+    def response(self) -> Response:
+        """The two-scale model of the backlight, estimated on first use."""
         low, high = self.constraint.curvature_min, self.constraint.curvature_max
         node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
         operators = estimate_operators(

@@ -1,6 +1,5 @@
 """`run_sweep`: every point traced once, by any number of processes, and what they say together."""
 
-import hashlib
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,10 +11,19 @@ import numpy as np
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job.sweep import Sweep
 from mpfcad.pipeline.effort import available_threads
+from mpfcad.pipeline.kept_point import find_kept, keep_result, point_file
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.record import versions
-from mpfcad.pipeline.sweep_point import Point, build_point, describe_coordinate, trace_point
+from mpfcad.pipeline.sweep_point import (
+    Point,
+    build_point,
+    conventional_point,
+    describe_coordinate,
+    trace_point,
+)
+from mpfcad.pipeline.thickness_limit import describe_limit
 
+THICKNESS_AXIS = "stack.thickness_mm"
 RECORD, DATASET, PAGE = "sweep.json", "sweep.nc", "sweep.html"
 
 
@@ -46,27 +54,24 @@ def run_sweep(
     """
     sweep_file, out = Path(sweep_file), Path(out)
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
-    files = _point_files(points, out.with_name(f".{out.name}.points"))
-    found: dict[int, dict[str, Any]] = {}
-    for i, file in enumerate(files):
-        if file.is_file():
-            found[i] = json.loads(file.read_bytes())
+    if main_axis(sweep) == THICKNESS_AXIS:
+        points.append(conventional_point(points[0], sweep.seed))
+    folder = out.with_name(f".{out.name}.points")
+    files = [point_file(point, folder) for point in points]
+    found = {i: kept for i, file in enumerate(files) if (kept := find_kept(file)) is not None}
     left = {i: point for i, point in enumerate(points) if i not in found}
     progress.stage(f"{len(found)} of {len(points)} points are there")
     if left:
-        files[0].parent.mkdir(parents=True, exist_ok=True)
         with _traced(left, scheduler, workers) as results:
             for i, result in results:
-                # Through JSON, so that a fresh result and a kept one are the same.
-                text = canonical_json(result)
-                part = files[i].with_name(f".{files[i].name}.part")
-                write_text(part, text)
-                part.replace(files[i])
-                found[i] = json.loads(text)
-                name = describe_coordinate(points[i].coordinate)
+                found[i] = keep_result(files[i], result)
+                name = describe_coordinate(points[i].coordinate) or "the conventional stack"
                 progress.stage(f"{len(found)} of {len(points)} points: {name}")
     ordered = [found[i] for i in range(len(points))]
-    record = _describe(sweep, ordered)
+    count = sum(1 for _ in sweep.points())
+    conventional = ordered[count] if len(points) > count else None
+    ordered = ordered[:count]
+    record = _describe(sweep, ordered, conventional)
     with export_folder(out, "sweep") as folder:
         from mpfcad.report import write_sweep_page
 
@@ -75,15 +80,6 @@ def run_sweep(
         write_sweep_page(folder / PAGE, record)
         write_manifest(folder, sweep.name, "sweep")
     return record
-
-
-def _point_files(points: list[Point], folder: Path) -> list[Path]:
-    """Return the result file of each point, named by a hash of all that it depends on."""
-    code = canonical_json(versions())
-    return [
-        folder / f"{hashlib.sha256((code + point.inputs()).encode()).hexdigest()[:32]}.json"
-        for point in points
-    ]
 
 
 @contextmanager
@@ -114,13 +110,22 @@ def _traced(
             cluster.close()
 
 
-def _describe(sweep: Sweep, results: list[dict[str, Any]]) -> dict[str, Any]:
+def _describe(
+    sweep: Sweep, results: list[dict[str, Any]], conventional: dict[str, Any] | None
+) -> dict[str, Any]:
+    optima = find_optima(sweep, results)
+    limits = []
+    if conventional is not None:
+        mean = conventional["mean_luminance_cd_m2"]["value"]
+        limits = [_limit(sweep, curve, mean) for curve in curves_of(sweep, results)]
     return {
         "schema": 1,
         "name": sweep.name,
         "sweep": sweep.document(),
         "points": results,
-        "optima": find_optima(sweep, results),
+        "optima": optima,
+        "thickness_limits": limits,
+        "conventional": conventional,
         "paths": sum(result["paths"] for result in results),
         "versions": versions(),
     }
@@ -141,17 +146,40 @@ def find_optima(sweep: Sweep, results: list[dict[str, Any]]) -> list[dict[str, A
     upper end of its interval is.
     """
     axis = main_axis(sweep)
+    return [_optimum(axis, rest, curve, sweep) for rest, curve in curves_of(sweep, results)]
+
+
+def curves_of(
+    sweep: Sweep, results: list[dict[str, Any]]
+) -> list[tuple[dict[str, Any], list[dict[str, Any]]]]:
+    """Return the curves over the main axis: the other axes' values, and the points ascending."""
+    axis = main_axis(sweep)
     if axis is None:
         return []
     curves: dict[str, list[dict[str, Any]]] = {}
-    for result in results:
+    for result in sorted(results, key=lambda result: result["coordinate"][axis]):
         rest = {k: v for k, v in result["coordinate"].items() if k != axis}
         curves.setdefault(json.dumps(rest), []).append(result)
-    return [_optimum(axis, json.loads(rest), curve, sweep) for rest, curve in curves.items()]
+    return [(json.loads(rest), curve) for rest, curve in curves.items()]
+
+
+def _limit(
+    sweep: Sweep, curve: tuple[dict[str, Any], list[dict[str, Any]]], conventional: float
+) -> dict[str, Any]:
+    """Return what a curve over the thickness says of its limit."""
+    rest, points = curve
+    limit = describe_limit(
+        [one["coordinate"][THICKNESS_AXIS] for one in points],
+        [one["lamp_mura_contrast"] for one in points],
+        [one["mean_luminance_cd_m2"]["value"] for one in points],
+        conventional,
+        sweep.contrast_limit,
+    )
+    profile = rest.get("film.profile", sweep.film.get("profile", "filled"))
+    return {"curve": rest, "profile": profile, **limit}
 
 
 def _optimum(axis: str, rest: dict, curve: list[dict[str, Any]], sweep: Sweep) -> dict[str, Any]:
-    curve = sorted(curve, key=lambda result: result["coordinate"][axis])
     x = np.array([result["coordinate"][axis] for result in curve])
     contrast = [result["lamp_mura_contrast"] for result in curve]
     value = np.array([c["value"] for c in contrast])

@@ -9,6 +9,7 @@ import numpy as np
 from mpfcad.report.figure import FINE, figure_html, plotly_script, styled
 from mpfcad.report.style import STYLE
 from mpfcad.report.table import fact_table, figure, short, table, with_interval
+from mpfcad.report.thickness_section import thickness_section
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -23,12 +24,17 @@ def write_design_page(path: Path, record: dict[str, Any]) -> None:
 
 def build_design_page(record: dict[str, Any]) -> str:
     """Return the page as HTML that needs no network."""
-    sections = (
-        ("1 Result", _result(record)),
-        ("2 Iterations", _iterations(record)),
-        ("3 Method and constraints", _method(record)),
+    sections = [
+        ("Result", _result(record)),
+        ("Iterations", _iterations(record)),
+        ("Method and constraints", _method(record)),
+    ]
+    if record["thickness"]:
+        sections.insert(1, ("Thickness", thickness_section(record["thickness"])))
+    body = "".join(
+        f"<section><h2>{number} {title}</h2>{content}</section>"
+        for number, (title, content) in enumerate(sections, 1)
     )
-    body = "".join(f"<section><h2>{title}</h2>{content}</section>" for title, content in sections)
     name, version = escape(record["name"]), escape(record["versions"]["mpfcad"])
     return page(
         f"Design: {name}",
@@ -52,7 +58,7 @@ def _result(record: dict[str, Any]) -> str:
     best = record["iterations"][record["chosen"]]
     rows = np.array(best["curvature_per_mm"])
     facts = [
-        ("backlight", escape(record["stack"]["title"])),
+        ("backlight", f"{escape(record['stack']['title'])}; {record['thickness_mm']:g} mm"),
         ("chosen map", f"{best['label']}: C {rows.min():.2f} … {rows.max():.2f} /mm"),
         ("lamp-Mura contrast, traced", with_interval(best["lamp_mura_contrast"], 4)),
         ("mean normal luminance [cd/m²]", with_interval(best["mean_luminance_cd_m2"], 0)),
