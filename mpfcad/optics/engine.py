@@ -12,8 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numba import njit, uint64
 
-from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.element import FILM
+from mpfcad.optics.cavity import BRDF, NO_LAMP
+from mpfcad.optics.cavity_lanes import cavity_passages
+from mpfcad.optics.element import CAVITY, FILM
 from mpfcad.optics.film import (
     COSINE,
     FLIPPED,
@@ -27,13 +28,15 @@ from mpfcad.optics.film import (
 )
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import LANES
 from mpfcad.optics.net import NET
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
 from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene
-from mpfcad.optics.source import Source, start_ray
+from mpfcad.optics.source import LAMPS, Source, start_ray
+from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.tile import CHAIN
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
@@ -63,6 +66,20 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
 
 
 @kernel
+def _refill(scene, source, seed, stream, first, started, slots, count, wave):
+    """Put new paths into free slots while there are any of `count`; return the next's number."""
+    slots = slots[: min(len(slots), count - started)]
+    if source.kind == LAMPS:
+        for i in range(len(slots)):
+            path = first + uint64(started + i)
+            _begin(scene, source, seed, stream, path, slots[i], started + i, wave)
+    else:
+        for i in range(0, len(slots), LANES):
+            start_rays(scene, source, seed, stream, first, started + i, slots[i : i + LANES], wave)
+    return started + len(slots)
+
+
+@kernel
 def _pass_queue(scene, e, rays, wave):
     """Follow the rays that wait before element e through it."""
     if scene.kind[e] == FILM:
@@ -71,6 +88,28 @@ def _pass_queue(scene, e, rays, wave):
         if tile.accelerator == CHAIN and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
+    if scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
+        _pass_cavity(scene, rays, wave)
+        return
+    _pass_one_by_one(scene, e, rays, wave)
+
+
+@kernel
+def _pass_cavity(scene, rays, wave):
+    """Follow rays through an endless cavity; those that start on its lamps one by one."""
+    count = 0
+    for i in range(len(rays)):
+        if wave.lamp[rays[i]] == NO_LAMP:
+            rays[count], rays[i] = rays[i], rays[count]
+            count += 1
+    for i in range(0, count, LANES):
+        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave)
+    _pass_one_by_one(scene, 0, rays[count:], wave)
+
+
+@kernel
+def _pass_one_by_one(scene, e, rays, wave):
+    """Follow rays through an element of any kind."""
     for slot in rays:
         p = wave.place[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
@@ -95,7 +134,7 @@ def _pass_film(tile, film, rays, wave):
             wave.upward[slot] = 1 if up else 0
     film_passages(
         tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+        rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
     )  # fmt: skip
     if placed:
         for slot in rays:
@@ -142,10 +181,16 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     Paths go round the points. flow (f,) gets the sums of where the weights went; `wave` is scratch.
     A scene without elements has no paths.
     """
-    started = min(len(wave.way), len(radiance))
-    for slot in range(started):
-        _begin(scene, source, seed, stream, first + uint64(slot), slot, slot, wave)
+    started = 0
+    freed = wave.freed
+    free = min(len(freed), len(radiance))
+    for slot in range(free):
+        freed[slot] = slot
     while True:
+        started = _refill(
+            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave
+        )
+        free = 0
         e, waiting = longest_queue(wave)
         if waiting == 0:
             return
@@ -160,10 +205,8 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
             radiance[wave.path[slot]] = wave.radiance[slot]
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
-            if started < len(radiance):
-                path = first + uint64(started)
-                _begin(scene, source, seed, stream, path, slot, started, wave)
-                started += 1
+            freed[free] = slot
+            free += 1
 
 
 def trace(

@@ -53,23 +53,25 @@ def direction_numbers(dimension: int) -> list[int]:
 
 
 def _points() -> np.ndarray:
-    """Return what the low and the high five bits of an index add, (64 · dimensions,) uint64.
+    """Return the digits of all coordinates of a net's points, (2 · points,) uint64.
 
-    Digits are in reverse, the first one in bit 0.
+    Two words a point, six dimensions of ten digits in each, the lowest dimension in the lowest
+    bits; digits are in reverse, the first one lowest.
     """
-    table = np.zeros((DIMENSIONS, 2, 32), np.uint64)
+    table = np.zeros((NET, 2), np.uint64)
+    index = np.arange(NET)
     for d in range(DIMENSIONS):
-        numbers = [int(f"{n:010b}"[::-1], 2) for n in direction_numbers(d)]
-        for half in range(2):
-            for low in range(32):
-                for bit in range(5):
-                    if low >> bit & 1:
-                        table[d, half, low] ^= np.uint64(numbers[5 * half + bit])
+        for bit, number in enumerate(direction_numbers(d)):
+            digits = int(f"{number:010b}"[::-1], 2) << (d % _A_WORD * _DIGITS)
+            table[index >> bit & 1 == 1, d // _A_WORD] ^= np.uint64(digits)
     return table.reshape(-1)
 
 
+_A_WORD = 6
 _POINTS = _points()
-_1, _5, _6, _29, _31, _32 = (np.uint64(n) for n in (1, 5, 6, 29, 31, 32))
+_1, _6, _8, _10, _29, _32, _43, _1023 = (
+    np.uint64(n) for n in (1, 6, 8, 10, 29, 32, 43, 2**_DIGITS - 1)
+)
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX0, _MIX1 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 #: Even: a bit then changes higher bits only.
@@ -90,8 +92,9 @@ def scrambled(digits, seed):
 @kernel
 def net_bits(key, index, dimension):
     """Return the 64 binary digits of one coordinate of a net's point, the first one highest."""
-    row = dimension << _6
-    digits = gather(_POINTS, row + (index & _31)) ^ gather(_POINTS, row + _32 + (index >> _5))
+    word = (dimension * _43) >> _8  # A sixth of it.
+    digits = gather(_POINTS, (index << _1) + word) >> ((dimension - word * _6) * _10)
+    digits = digits & _1023
     seed = key + dimension * _GOLDEN
     seed = (seed ^ (seed >> _32)) * _MIX0
     seed = (seed ^ (seed >> _29)) * _MIX1

@@ -83,7 +83,7 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
                 if not finite:
                     share, nearest = direct_light(parameter, x, dx, dz)
                     radiance += weight * share * parameter[LAMP_LUMINANCE]
-                    first, last = nearest - 1, nearest + 1
+                    first, last = int(nearest) - 1, int(nearest) + 1
                 mirrored, dx, dy, dz = reflector_direction(
                     parameter[SPECULAR_FRACTION], dx, dy, dz, rng
                 )

@@ -15,7 +15,9 @@ import math
 import numpy as np
 from numba import uint64
 
+from mpfcad.optics.circle import circle
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import copy_sign, root
 from mpfcad.optics.net import DIMENSIONS, NET, net_bits
 
 _M0 = np.uint64(0xD2511F53)
@@ -29,7 +31,7 @@ _TO_UNIT = 2.0**-53
 _NET = np.uint64(NET)
 _DIMENSIONS = np.uint64(DIMENSIONS)
 #: The draw's place in the counter of the numbers that nets are scrambled by.
-_KEYS = _LOW
+KEYS = _LOW
 
 KEY0, KEY1, PATH0, PATH1, STREAM, BLOCK, SPARE, HAS_SPARE = range(8)
 RNG_SIZE = 8
@@ -72,7 +74,7 @@ def start_net_path(rng, seed, stream, path, points):
     turn = path // points
     block = turn // _NET
     net = block * points + path % points
-    a, b, _, _ = philox4x32(_KEYS, stream, net & _LOW, net >> _32, rng[KEY0], rng[KEY1])
+    a, b, _, _ = philox4x32(KEYS, stream, net & _LOW, net >> _32, rng[KEY0], rng[KEY1])
     rng[SPARE] = (((a << _32) | b) & ~(_NET - uint64(1))) | (turn % _NET)
     rng[BLOCK] = uint64(0) - _DIMENSIONS
 
@@ -110,11 +112,18 @@ def gaussian_pair(rng):
 
 
 @kernel
+def disk_point(u, v):
+    """Return the point of the unit disk that two uniform numbers choose (one, or eight each)."""
+    radius = root(u)
+    x, y = circle(v)
+    return radius * x, radius * y
+
+
+@kernel
 def disk(rng):
     """Return a point uniform in the unit disk: the (kx, ky) of a Lambertian direction."""
-    radius = math.sqrt(uniform(rng))
-    angle = 2.0 * math.pi * uniform(rng)
-    return radius * math.cos(angle), radius * math.sin(angle)
+    u = uniform(rng)
+    return disk_point(u, uniform(rng))
 
 
 @kernel
@@ -131,17 +140,22 @@ def henyey_greenstein_cosine(g, u):
 
 @kernel
 def turn(dx, dy, dz, cosine, azimuth):
-    """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz).
+    """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz)."""
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    return frame(dx, dy, dz, sine * math.cos(azimuth), sine * math.sin(azimuth), cosine)
+
+
+@kernel
+def frame(dx, dy, dz, p, q, cosine):
+    """Return the unit direction (p, q, cosine) in the frame about (dx, dy, dz); one or eight.
 
     Frame without branches on the direction (Duff et al., JCGT 6, 2017).
     """
-    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    p, q = sine * math.cos(azimuth), sine * math.sin(azimuth)
-    sign = math.copysign(1.0, dz)
+    sign = copy_sign(1.0, dz)
     a = -1.0 / (sign + dz)
     b = dx * dy * a
     x = p * (1.0 + sign * dx * dx * a) + q * b + cosine * dx
     y = p * sign * b + q * (sign + dy * dy * a) + cosine * dy
     z = -p * sign * dx - q * dy + cosine * dz
-    norm = 1.0 / math.sqrt(x * x + y * y + z * z)
+    norm = 1.0 / root(x * x + y * y + z * z)
     return x * norm, y * norm, z * norm

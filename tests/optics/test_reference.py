@@ -53,8 +53,8 @@ def compare(elements, count, first=0, below=0.0, chaotic=0.0, grown=0.0, tilt=(0
 @pytest.mark.parametrize("accelerator", ["chain", "bvh"])
 @pytest.mark.parametrize("name", ["conventional", "mpf", "mpf-plate"])
 def test_paths_equal_the_oracle(tmp_path, name, accelerator):
-    # What a lamp gives directly varies with the place, so a path shows the last-bit differences that
-    # grow 10…100 times at each lamp it meets: at most one here, and no more than a millionth.
+    # What a lamp gives directly varies with the place, so a path shows the last-bit differences
+    # that grow 10…100 times at each lamp it meets: at most one here, and no more than a millionth.
     compare(stack(name, tmp_path, accelerator), 60, grown=1 / 60)
 
 
