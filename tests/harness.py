@@ -118,6 +118,55 @@ def crossed_mesh(
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 
+def net_mesh(lines, height) -> FilmMesh:
+    """Return the tile over a square net of `lines` [mm] with tops at height(x, y) [mm]."""
+    lines = np.float32(lines).astype(float)
+    x, y = np.meshgrid(lines, lines, indexing="ij")
+    z = np.float32(height(x, y)).astype(float)
+    number = np.arange(x.size).reshape(x.shape)
+    a, b = number[:-1, :-1].ravel(), number[1:, :-1].ravel()
+    c, d = number[1:, 1:].ravel(), number[:-1, 1:].ravel()
+    top = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    vertex = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    return FilmMesh(vertex, top, (float(lines[-1]), float(lines[-1]), float(z.max())))
+
+
+def dish_mesh(cells: int = 2, chords: int = 6) -> FilmMesh:
+    """Return a tile of dishes of 50 µm, their tips on the cells' corners."""
+    local = HALF * np.sin(np.linspace(-np.pi / 2, np.pi / 2, chords + 1))
+    lines = np.append(
+        (np.arange(cells)[:, None] * PITCH + HALF + local[:-1]).ravel(), cells * PITCH
+    )
+
+    def height(x, y):
+        x, y = ((v + HALF) % PITCH - HALF for v in (x - HALF, y - HALF))
+        return 0.175 - 20 * (2 * HALF**2 - x * x - y * y)
+
+    return net_mesh(lines, height)
+
+
+def pillar_mesh() -> FilmMesh:
+    """Return a tile of 3 by 3 squares of 50 µm, the middle one raised on upright walls."""
+    step, low, high = np.float32([0, 0.05, 0.1, 0.15]).astype(float), 0.15, 0.175
+    facets = []
+
+    def quad(*p):
+        facets.extend([(p[0], p[1], p[2]), (p[0], p[2], p[3])])
+
+    for i in range(3):
+        for j in range(3):
+            z = high if i == j == 1 else low
+            around = ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
+            ring = [(step[a], step[b], z) for a, b in around]
+            quad(*ring)
+            if z == high:
+                foot = [(*p[:2], low) for p in ring]
+                for k in range(4):
+                    quad(foot[k], foot[(k + 1) % 4], ring[(k + 1) % 4], ring[k])
+    vertex, top = np.unique(np.reshape(facets, (-1, 3)), axis=0, return_inverse=True)
+    return FilmMesh(vertex, top.reshape(-1, 3), (float(step[-1]), float(step[-1]), high))
+
+
 def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
     wave = Wave.empty(len(scene.kind), len(flow))

@@ -153,9 +153,12 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, nearest, farthest):
             if mask:
                 store(lane, 0, distance)
                 for i in range(LANES):
-                    if (mask >> i) & 1 and (lane[i] < best or found < 0):
-                        best = lane[i]
-                        found = bvh.facet[number, i]
+                    facet = bvh.facet[number, i]
+                    # Of facets at one distance, the first in the mesh: whatever the tree.
+                    if (mask >> i) & 1 and (
+                        lane[i] < best or (lane[i] == best and (found < 0 or facet < found))
+                    ):
+                        best, found = lane[i], facet
             continue
         box = 6 * node
         near, far = spread(nearest), spread(best)

@@ -26,6 +26,7 @@ from mpfcad.optics.film import (
     out_of_film,
 )
 from mpfcad.optics.film_lanes import film_passages
+from mpfcad.optics.grid_lanes import grid_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
@@ -33,7 +34,7 @@ from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOW
 from mpfcad.optics.sampling import start_path
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.source import Source, start_ray
-from mpfcad.optics.tile import CHAIN
+from mpfcad.optics.tile import BVH, GRID
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
@@ -66,7 +67,7 @@ def _pass_queue(scene, e, rays, wave):
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
         # Resin that scatters is followed ray by ray.
-        if tile.accelerator == CHAIN and scene.parameter[e, SCATTERING] == 0.0:
+        if tile.accelerator != BVH and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
     for slot in rays:
@@ -82,7 +83,7 @@ def _pass_queue(scene, e, rays, wave):
 
 @kernel
 def _pass_film(tile, film, rays, wave):
-    """Follow rays through an extruded film as it lies in the stack."""
+    """Follow rays, eight at a time, through a film as it lies in the stack."""
     placed = film[COSINE] != 1.0 or film[FLIPPED] != 0.0
     if placed:
         for slot in rays:
@@ -91,10 +92,16 @@ def _pass_film(tile, film, rays, wave):
                 film, tile.width, wave.upward[slot] != 0, p[0], p[1], p[3], p[4], p[5]
             )
             wave.upward[slot] = 1 if up else 0
-    film_passages(
-        tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
-    )  # fmt: skip
+    if tile.accelerator == GRID:
+        grid_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.upward, wave.way, wave.rng,
+        )  # fmt: skip
+    else:
+        film_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+        )  # fmt: skip
     if placed:
         for slot in rays:
             p = wave.place[slot]

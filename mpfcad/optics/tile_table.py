@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh import Bvh
 from mpfcad.optics.chain import Chain
+from mpfcad.optics.grid import Grid
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.tile import NO_TILE, Tile
 
@@ -25,9 +26,9 @@ class TileTable(NamedTuple):
         (t, 4) float64 [mm], width, length, low and high of each
     accelerator
         (t,) int64, of each
-    chain, bvh
+    chain, bvh, grid
         their accelerators' arrays, joined
-    chain_at, bvh_at
+    chain_at, bvh_at, grid_at
         (t+1, fields) int64, where the part of each tile begins in each of those arrays
     """
 
@@ -35,8 +36,10 @@ class TileTable(NamedTuple):
     accelerator: NDArray[np.int64]
     chain: Chain
     bvh: Bvh
+    grid: Grid
     chain_at: NDArray[np.int64]
     bvh_at: NDArray[np.int64]
+    grid_at: NDArray[np.int64]
 
 
 def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
@@ -46,7 +49,8 @@ def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     accelerator = np.array([t.accelerator for t in tiles], np.int64)
     chain, chain_at = _joined([t.chain for t in tiles])
     bvh, bvh_at = _joined([t.bvh for t in tiles])
-    return TileTable(size, accelerator, chain, bvh, chain_at, bvh_at)
+    grid, grid_at = _joined([t.grid for t in tiles])
+    return TileTable(size, accelerator, chain, bvh, grid, chain_at, bvh_at, grid_at)
 
 
 def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
@@ -76,5 +80,12 @@ def tile_of(table, t):
         table.bvh.facet[c[3] : d[3]],
         table.bvh.normal[c[4] : d[4]],
     )
+    c, d = table.grid_at[t], table.grid_at[t + 1]
+    grid = Grid(
+        table.grid.count[c[0] : d[0]],
+        table.grid.cell[c[1] : d[1]],
+        table.grid.corner[c[2] : d[2]],
+        table.grid.facet[c[3] : d[3]],
+    )
     size = table.size[t]
-    return Tile(size[0], size[1], size[2], size[3], table.accelerator[t], chain, bvh)
+    return Tile(size[0], size[1], size[2], size[3], table.accelerator[t], chain, bvh, grid)

@@ -1,10 +1,20 @@
-"""Rays through film meshes: the two accelerators agree, and no ray is lost anywhere."""
+"""Rays through film meshes: the accelerators agree, and no ray is lost anywhere."""
 
 import numpy as np
 import pytest
-from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
+from harness import (
+    BARE,
+    CONCAVE,
+    crossed_mesh,
+    dish_mesh,
+    even_pyramids,
+    film_mesh,
+    groove,
+    pass_film,
+    pillar_mesh,
+)
 
-from mpfcad.optics.tile import build_tile
+from mpfcad.optics.tile import GRID, build_tile
 from mpfcad.optics.tile_table import build_tile_table
 
 SLIVERS = [groove(40.0001), groove(41.0), groove(79.999), groove(80.0), groove(0.0)]
@@ -76,6 +86,58 @@ def test_rays_at_vertices_and_along_edges_are_not_lost(tmp_path, name, up, accel
         assert (out[:, 0] != 0).all(), start[out[:, 0] == 0][0]
         assert np.abs((out[:, 1:] ** 2).sum(axis=1) - 1).max() < 1e-9
         assert (np.sign(out[:, 3]) == out[:, 0]).all()
+
+
+FIELDS = ["leaning", "even", "dishes", "pillar"]
+
+
+def field(name, folder):
+    if name == "dishes":
+        return dish_mesh()
+    if name == "pillar":
+        return pillar_mesh()
+    return crossed_mesh(folder) if name == "leaning" else even_pyramids(folder)
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("name", FIELDS)
+def test_grid_and_tree_give_the_same_bits(tmp_path, name, up):
+    mesh = field(name, tmp_path)
+    assert build_tile(mesh).accelerator == GRID
+    start = rays(20_000, up, size=mesh.size[:2])
+    grid = through(mesh, start, up, "grid")
+    assert (grid[:, 0] != 0).all()
+    assert np.array_equal(grid, through(mesh, start, up, "bvh"))
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("name", FIELDS)
+def test_the_worst_rays_give_the_same_bits_in_grid_and_tree(tmp_path, name, up):
+    mesh = field(name, tmp_path)
+    used = mesh.vertex[np.unique(mesh.top)]
+    line = np.unique(used[:, 0])
+    line = np.concatenate([line, (line[1:] + line[:-1]) / 2, np.nextafter(line, 1), [-0.0]])
+    place = np.concatenate([used[:, :2], np.stack(np.meshgrid(line, line), -1).reshape(-1, 2)])
+    cases = []
+    for x, y, z in (
+        (0.0, 0.0, 1.0),  # exactly vertical: through vertices, along upright walls and lines
+        (0.0, -0.0, 1.0),
+        (0.6, 0.0, 0.8),
+        (0.0, -0.6, 0.8),
+        (0.48, 0.64, 0.6),
+        (np.sqrt(0.5), 0.0, np.sqrt(0.5)),  # in the faces of 90° pyramids
+        (0.5, 0.5, np.sqrt(0.5)),  # along their edges
+        (-np.sqrt(1 / 3), np.sqrt(1 / 3), np.sqrt(1 / 3)),
+        (1.0, 0.0, 1e-9),  # grazing
+        (-np.sqrt(0.5), np.sqrt(0.5), 1e-9),
+        (1e-300, 1e-300, 1.0),
+    ):
+        cases.append(np.c_[place, np.tile([x, y, z if up else -z], (len(place), 1))])
+    start = np.concatenate(cases)
+    grid = through(mesh, start, up, "grid")
+    assert (grid[:, 0] != 0).all(), start[grid[:, 0] == 0][0]
+    assert (np.sign(grid[:, 3]) == grid[:, 0]).all()
+    assert np.array_equal(grid, through(mesh, start, up, "bvh"))
 
 
 @pytest.mark.parametrize("up", [True, False])
