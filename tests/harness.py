@@ -118,11 +118,10 @@ def crossed_mesh(
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 
-def net_mesh(lines, height) -> FilmMesh:
-    """Return the tile over a square net of `lines` [mm] with tops at height(x, y) [mm]."""
-    lines = np.float32(lines).astype(float)
+def net_mesh(lines, z) -> FilmMesh:
+    """Return the tile over a square net of n `lines` [mm] with the heights z (n, n) [mm]."""
+    lines, z = (np.float32(v).astype(float) for v in (lines, z))
     x, y = np.meshgrid(lines, lines, indexing="ij")
-    z = np.float32(height(x, y)).astype(float)
     number = np.arange(x.size).reshape(x.shape)
     a, b = number[:-1, :-1].ravel(), number[1:, :-1].ravel()
     c, d = number[1:, 1:].ravel(), number[:-1, 1:].ravel()
@@ -134,15 +133,10 @@ def net_mesh(lines, height) -> FilmMesh:
 def dish_mesh(cells: int = 2, chords: int = 6) -> FilmMesh:
     """Return a tile of dishes of 50 µm, their tips on the cells' corners."""
     local = HALF * np.sin(np.linspace(-np.pi / 2, np.pi / 2, chords + 1))
-    lines = np.append(
-        (np.arange(cells)[:, None] * PITCH + HALF + local[:-1]).ravel(), cells * PITCH
-    )
-
-    def height(x, y):
-        x, y = ((v + HALF) % PITCH - HALF for v in (x - HALF, y - HALF))
-        return 0.175 - 20 * (2 * HALF**2 - x * x - y * y)
-
-    return net_mesh(lines, height)
+    start = np.arange(cells)[:, None] * PITCH + HALF
+    lines = np.append((start + local[:-1]).ravel(), cells * PITCH)
+    drop = np.append(np.tile(20 * (HALF**2 - local[:-1] ** 2), cells), 0.0)
+    return net_mesh(lines, 0.175 - drop[:, None] - drop)
 
 
 def pillar_mesh() -> FilmMesh:

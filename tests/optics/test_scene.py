@@ -20,7 +20,9 @@ def test_the_mesh_alone_chooses_how_it_is_traced(tmp_path):
     crossed = crossed_mesh(tmp_path)
     assert accelerator(Film(crossed, 1.5)) == "grid"
     # Most facets lie about one place.
-    uneven = net_mesh(np.r_[0.0, np.geomspace(1e-4, 1, 40)], lambda x, y: 0.2 + x * y * (1 - x))
+    line = np.r_[0.0, np.geomspace(1e-4, 1, 40)]
+    bulge = line * (1 - line)
+    uneven = net_mesh(line, 0.2 + bulge[:, None] * bulge)
     assert accelerator(Film(uneven, 1.5)) == "bvh"
     for mesh, way in ((crossed, "chain"), (uneven, "grid")):
         with pytest.raises(TraceError, match=way):
