@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from manifold3d import triangulate
 from numba import njit, uint64
 
 from mpfcad.optics.bsdf import bsdf_passage
@@ -13,6 +14,8 @@ from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.tile import build_tile
+from mpfcad.optics.tile_table import build_tile_table
 from mpfcad.optics.wave import Wave
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
@@ -66,6 +69,25 @@ def extruded(x, z, length: float) -> np.ndarray:
     return np.array(facets)
 
 
+def drawn(rings, length: float) -> np.ndarray:
+    """Return the facets (n, 3, 3) of a cross-section drawn along y.
+
+    rings: (n, 2) corners x, z each, anticlockwise about film, clockwise about air.
+    """
+    rings = [np.asarray(ring, float) for ring in rings]
+    facets = []
+    for ring in rings:
+        for p, q in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+            near, far = [[(a, y, b) for a, b in (p, q)] for y in (0.0, length)]
+            facets += [(near[1], near[0], far[0]), (near[1], far[0], far[1])]
+    flat = np.concatenate(rings)
+    for face in triangulate(rings):
+        a, b, c = flat[face]
+        facets.append([(*v[:1], 0.0, v[1]) for v in (a, b, c)])
+        facets.append([(*v[:1], length, v[1]) for v in (a, c, b)])
+    return np.array(facets)
+
+
 def write_facets(path: Path, facets) -> Path:
     """Write a binary STL; no normals, as readers must not need them."""
     facets = np.asarray(facets, "<f4")
@@ -78,6 +100,33 @@ def write_facets(path: Path, facets) -> Path:
 def film_file(path: Path, grooves, base: float = 0.15, length: float = 0.1) -> Path:
     """Write a tile of grooves."""
     return write_facets(path, extruded(*row(grooves, base), length))
+
+
+def _circle(x, z, radius, corners):
+    angle = 2 * np.pi * np.arange(corners) / corners
+    return np.stack([x + radius * np.cos(angle), z + radius * np.sin(angle)], axis=1)
+
+
+_UNDERCUT = [(0, 0), (0.1, 0), (0.1, 0.2), (0.06, 0.2), (0.08, 0.16), (0.075, 0.155), (0.03, 0.15),
+             (0.02, 0.16), (0.04, 0.2), (0, 0.2)]  # fmt: skip
+_ROD = _circle(0.05, 0.176, 0.01, 24)
+_SHEET = [(0, 0), (0.1, 0), (0.1, 0.1), (0, 0.1)]
+_PRISM = [(0, 0.13), (0.1, 0.13), (0.1, 0.15), (0.07, 0.178), (0.03, 0.15), (0, 0.15)]
+_BELOW = [(0, 0.03), (0.025, 0), (0.05, 0.028), (0.08, 0.005), (0.1, 0.03), (0.1, 0.2), (0, 0.2)]
+
+#: Cross-sections 0.1 mm wide that are no height over a flat underside, as `drawn` takes them.
+SECTIONS = {
+    "undercut": [_UNDERCUT],
+    "rod in an undercut over a void": [_UNDERCUT, _ROD, _circle(0.03, 0.08, 0.02, 40)[::-1]],
+    "sheet under a film": [_SHEET, _PRISM],
+    "grooves below": [_BELOW],
+    "rods under grooves": [_BELOW, _circle(0.05, -0.05, 0.04, 50), _circle(0.02, -0.12, 0.017, 33)],
+}
+
+
+def section_mesh(folder: Path, name: str, length: float = 0.1) -> FilmMesh:
+    """Return one of `SECTIONS`, read from disk."""
+    return read_film_mesh(write_facets(folder / "section.stl", drawn(SECTIONS[name], length)))
 
 
 def film_mesh(folder: Path, grooves, base: float = 0.15, length: float = 0.1) -> FilmMesh:
@@ -225,6 +274,25 @@ def pass_film(tiles, index, up, start, seed, out):
         x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
         way, x, y, dx, dy, dz = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, rng)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
+
+
+def rays(count: int, up: bool, seed: int = 1, size=(0.1, 0.1)) -> np.ndarray:
+    """Return Lambertian rays (n, 5: x, y, dx, dy, dz) over a tile."""
+    rng = np.random.default_rng(seed)
+    k = np.sqrt(rng.random(count)) * 0.999999
+    angle = 2 * np.pi * rng.random(count)
+    out = np.empty((count, 5))
+    out[:, :2] = rng.random((count, 2)) * size
+    out[:, 2], out[:, 3] = k * np.cos(angle), k * np.sin(angle)
+    out[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
+    return out
+
+
+def through(mesh, start, up, accelerator=None, index=1.5, seed=1) -> np.ndarray:
+    """Return way and direction (n, 4) of rays that have passed a film."""
+    out = np.empty((len(start), 4))
+    pass_film(build_tile_table([build_tile(mesh, accelerator)]), index, up, start, seed, out)
+    return out
 
 
 def within(value, expected, error, sigmas: float, what: str = "") -> None:

@@ -36,7 +36,8 @@ class MeshCheck:
         number of facets
     curvature
         (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls (of
-        cells: one value); None of a measured surface
+        cells: one value; of grooves that change along: (n, k) at k places); None of a measured
+        surface
     """
 
     watertight: bool

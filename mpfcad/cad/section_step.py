@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from mpfcad.cad.step_extrusion import Extrusion, Line, Point
 from mpfcad.cad.step_file import StepFile, real
 from mpfcad.cad.step_product import SCHEMA, Colour, Products
@@ -65,21 +63,11 @@ def _draw(file: StepFile, section: Section, body: str) -> str:
     """Return the solid under the outline."""
     drawing = _Drawing(file, section.length)
     corners = [drawing.point(float(x), float(z)) for x, z in zip(section.x, section.z, strict=True)]
-    foot = drawing.point(corners[0].x, section.underside)
-    left = drawing.line(foot, corners[0])
-    drawing.side(left, False)
-    for first in range(0, section.piece_count, BLOCK):
-        pieces = np.arange(first, min(first + BLOCK, section.piece_count))
-        last = int(pieces[-1]) + 1
-        next_foot = drawing.point(corners[last].x, section.underside)
-        under = drawing.line(foot, next_foot)
-        right = drawing.line(next_foot, corners[last])
-        lines = [drawing.piece(section, int(i), corners[i], corners[i + 1]) for i in pieces]
-        drawing.side(under, True)
-        for line in lines:
-            drawing.side(line, False)
-        above = [(line, False) for line in reversed(lines)]
-        drawing.cap([(under, True), (right, True), *above, (left, False)])
-        foot, left = next_foot, right
-    drawing.side(left, True)
-    return drawing.solid(body)
+    blocks = (
+        [
+            drawing.piece(section, i, corners[i], corners[i + 1])
+            for i in range(first, min(first + BLOCK, section.piece_count))
+        ]
+        for first in range(0, section.piece_count, BLOCK)
+    )
+    return drawing.slab(body, blocks, section.underside)

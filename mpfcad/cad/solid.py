@@ -7,6 +7,9 @@ are cut every `BLOCK` grooves. A parabola is a conic (STEP's PARABOLA), neither 
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mpfcad.cad.outline import SOLID_FLAT, solid_contact
 from mpfcad.cad.step_extrusion import Extrusion, Line, Parabola, Point
 from mpfcad.cad.step_file import StepFile
@@ -15,7 +18,7 @@ from mpfcad.film import PrismFilm
 #: `separate`: prism film and resin apart; `fused`: both as one body.
 Bodies = Literal["separate", "fused"]
 #: Grooves in one face of the caps and of the underside.
-BLOCK = 16
+BLOCK = 64
 
 #: Draws the upper outline of a groove between its two tips, left to right.
 _Top = Callable[[Extrusion, PrismFilm, int, float, Point, Point], list[Line]]
@@ -23,40 +26,29 @@ _Top = Callable[[Extrusion, PrismFilm, int, float, Point, Point], list[Line]]
 
 def draw_bodies(file: StepFile, film: PrismFilm, bodies: Bodies) -> dict[str, list[str]]:
     """Add the bodies of a film to the file; return the solids of each by its name."""
-    if bodies == "fused":
-        return {"film": [_draw_slab(file, film, "film", _fused_top)]}
-    drawn = {"BEF": [_draw_slab(file, film, "BEF", _prism_top)]}
+    drawing = Extrusion(file, film.length)
     contact = solid_contact(film)
-    fill = [_draw_fill(file, film, i, float(reach)) for i, reach in enumerate(contact) if reach]
+    if bodies == "fused":
+        return {"film": [_draw_slab(drawing, film, contact, "film", _fused_top)]}
+    drawn = {"BEF": [_draw_slab(drawing, film, contact, "BEF", _prism_top)]}
+    fill = [_draw_fill(drawing, film, i, float(reach)) for i, reach in enumerate(contact) if reach]
     return {**drawn, "fill": fill} if fill else drawn
 
 
-def _draw_slab(file: StepFile, film: PrismFilm, name: str, draw_top: _Top) -> str:
+def _draw_slab(
+    drawing: Extrusion, film: PrismFilm, contact: NDArray[np.float64], name: str, draw_top: _Top
+) -> str:
     """Return one solid over the whole width, flat below."""
-    body = Extrusion(file, film.length)
-    tips = [body.point(float(x), film.thickness) for x in film.tip_position]
-    contact = solid_contact(film)
+    tips = [drawing.point(float(x), film.thickness) for x in film.tip_position]
     top = [
-        draw_top(body, film, i, float(contact[i]), tips[i], tips[i + 1])
+        draw_top(drawing, film, i, float(contact[i]), tips[i], tips[i + 1])
         for i in range(film.groove_count)
     ]
-    foot = body.point(tips[0].x, 0.0)
-    left = body.line(foot, tips[0])
-    body.side(left, False)
-    for first in range(0, film.groove_count, BLOCK):
-        last = min(first + BLOCK, film.groove_count)
-        next_foot = body.point(tips[last].x, 0.0)
-        under = body.line(foot, next_foot)
-        right = body.line(next_foot, tips[last])
-        lines = [line for groove in top[first:last] for line in groove]
-        body.side(under, True)
-        for line in lines:
-            body.side(line, False)
-        above = [(line, False) for line in reversed(lines)]
-        body.cap([(under, True), (right, True), *above, (left, False)])
-        foot, left = next_foot, right
-    body.side(left, True)
-    return body.solid(name)
+    blocks = (
+        [line for groove in top[first : first + BLOCK] for line in groove]
+        for first in range(0, film.groove_count, BLOCK)
+    )
+    return drawing.slab(name, blocks, 0.0)
 
 
 def _prism_top(
@@ -95,9 +87,8 @@ def _fused_top(
     ]
 
 
-def _draw_fill(file: StepFile, film: PrismFilm, index: int, contact: float) -> str:
+def _draw_fill(body: Extrusion, film: PrismFilm, index: int, contact: float) -> str:
     """Return the resin of one groove, one solid."""
-    body = Extrusion(file, film.length)
     left, right = _contact_points(body, film, index, contact)
     valley = body.point(float(film.groove_position[index]), film.base)
     outline = [

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from mpfcad.cad.mesh_check import refuse_above
 from mpfcad.cad.outline import solid_contact
 from mpfcad.cad.solid import Bodies
+from mpfcad.cad.step_read import read_bodies
 from mpfcad.cad.step_text import MILLIMETRE, check_text, read_step_text
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
 
 if TYPE_CHECKING:
-    from OCP.TDF import TDF_Label
-    from OCP.TDocStd import TDocStd_Document
     from OCP.TopoDS import TopoDS_Shape
 
 #: Largest relative error of a body's volume, where coordinates of doubles allow it.
@@ -139,50 +138,6 @@ def check_one_body(
     return StepCheck(True, {body: found}, error, *map(_triple, corners), "mm", {body: 1})
 
 
-def read_bodies(path: Path) -> dict[str, TopoDS_Shape]:
-    """Return the bodies in the file by name, read with OCCT."""
-    from OCP.collections import Sequence_TDF_Label
-    from OCP.IFSelect import IFSelect_RetDone
-    from OCP.STEPCAFControl import STEPCAFControl_Reader
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
-    _mute_occt()
-    document = _new_document()
-    reader = STEPCAFControl_Reader()
-    reader.SetNameMode(True)
-    # Names alone are compared: what else a file may say is not even looked for.
-    for mode in ("Color", "Layer", "Props", "GDT", "Mat", "View", "SHUO"):
-        getattr(reader, f"Set{mode}Mode")(False)
-    if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.Transfer(document):
-        raise ExportError(f"{path.name}: OCCT cannot read this file")
-    roots = Sequence_TDF_Label()
-    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    bodies: dict[str, TopoDS_Shape] = {}
-    for index in range(1, roots.Length() + 1):
-        for name, shape in _parts(roots.Value(index)):
-            if name in bodies:
-                raise ExportError(f"{path.name}: two bodies named {name}")
-            bodies[name] = shape
-    return bodies
-
-
-def _parts(label: TDF_Label) -> Iterator[tuple[str, TopoDS_Shape]]:
-    """Yield the name and shape of each part under a label of an OCCT document."""
-    from OCP.collections import Sequence_TDF_Label
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.XCAFDoc import XCAFDoc_ShapeTool
-
-    if XCAFDoc_ShapeTool.IsAssembly_s(label):
-        components = Sequence_TDF_Label()
-        XCAFDoc_ShapeTool.GetComponents_s(label, components)
-        for index in range(1, components.Length() + 1):
-            yield from _parts(components.Value(index))
-        return
-    name = TDataStd_Name()
-    found = label.FindAttribute(TDataStd_Name.GetID_s(), name)
-    yield name.Get().ToExtString() if found else "", XCAFDoc_ShapeTool.GetShape_s(label)
-
-
 def check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> None:
     """Refuse a body that has not as many solids as expected, or one that is not valid."""
     from OCP.BRepCheck import BRepCheck_Analyzer
@@ -242,24 +197,3 @@ def bounding_box(
         np.array([low.X(), low.Y(), low.Z()]),
         np.array([high.X(), high.Y(), high.Z()]),
     )
-
-
-def _new_document() -> TDocStd_Document:
-    """Return an empty OCCT document in mm."""
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.XCAFApp import XCAFApp_Application
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
-    document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
-    XCAFApp_Application.GetApplication_s().InitDocument(document)
-    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 1e-3)
-    return document
-
-
-def _mute_occt() -> None:
-    """Keep OCCT's chatter about transfers off the terminal; failures still show."""
-    from OCP.Message import Message, Message_Fail
-
-    for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Fail)

@@ -1,13 +1,14 @@
-"""One body of a STEP file: a cross-section drawn along y, put together from shared edges.
+"""Bodies of a STEP file: cross-sections drawn along y, put together from shared corners and edges.
 
-No CAD kernel is needed: faces are planes and parabolas extruded along y, and each edge is made
-once. Kernels write a face of N edges in N² and read it in N³ time, so whoever draws a long body
-gives it several caps. The direction in which a face follows its edges is chosen so that a cap and
-the sides refer to the same ORIENTED_EDGE: the caps' bounds are stated reversed (FACE_BOUND .F.).
+No CAD kernel is needed: faces are planes and parabolas extruded along y, and each corner and edge
+is made once, for all bodies. Kernels write a face of N edges in N² and read it in N³ time, so
+whoever draws a long body gives it several caps. The direction in which a face follows its edges is
+chosen so that a cap and the sides refer to the same ORIENTED_EDGE: the caps' bounds are stated
+reversed (FACE_BOUND .F.).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mpfcad.cad.step_file import StepFile, real
@@ -65,16 +66,27 @@ Step = tuple[Line, bool]
 
 
 class Extrusion:
-    """One body: its outline runs counter-clockwise (x right, z up)."""
+    """Bodies, one after another; their outlines run counter-clockwise (x right, z up).
+
+    A corner or piece that is asked for again is the same again, in another body too.
+    """
 
     def __init__(self, file: StepFile, length: float) -> None:
         self.file = file
         self.length = length
         self.along = file.direction(0, 1, 0)
-        self.faces: list[str] = []
+        self._faces: list[str] = []
+        self._points: dict[tuple[float, float], Point] = {}
+        self._lines: dict[tuple[Point, Point, Parabola | None], Line] = {}
 
     def point(self, x: float, z: float) -> Point:
-        """Make a corner."""
+        """Return a corner."""
+        found = self._points.get((x, z))
+        if found is None:
+            found = self._points[x, z] = self._make_point(x, z)
+        return found
+
+    def _make_point(self, x: float, z: float) -> Point:
         file = self.file
         place = file.point(x, 0, z)
         near = file.add(f"VERTEX_POINT('',{place})")
@@ -82,7 +94,14 @@ class Extrusion:
         return Point(x, z, near, far, self._edge(near, far, file.line(place, self.along)))
 
     def line(self, start: Point, end: Point, parabola: Parabola | None = None) -> Line:
-        """Make a piece between two corners, left to right or upward, straight or of a parabola."""
+        """Return a piece between two corners, left to right or upward: straight, or a parabola."""
+        key = (start, end, parabola)
+        found = self._lines.get(key)
+        if found is None:
+            found = self._lines[key] = self._make_line(start, end, parabola)
+        return found
+
+    def _make_line(self, start: Point, end: Point, parabola: Parabola | None) -> Line:
         if parabola is None:
             curves, surface = self._straight(start, end)
         else:
@@ -117,9 +136,34 @@ class Extrusion:
             self._face(loop, False, plane, True)
 
     def solid(self, name: str) -> str:
-        """Return the body, once all its faces are there."""
-        shell = self.file.add(f"CLOSED_SHELL('',({','.join(self.faces)}))")
+        """Return the body of all faces added since the last one."""
+        shell = self.file.add(f"CLOSED_SHELL('',({','.join(self._faces)}))")
+        self._faces = []
         return self.file.add(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
+
+    def slab(self, name: str, blocks: Iterable[list[Line]], underside: float) -> str:
+        """Return the body between an upper outline, left to right, and a flat underside.
+
+        A block holds the pieces over one face of the caps and of the underside.
+        """
+        left = foot = None
+        for lines in blocks:
+            if left is None or foot is None:
+                foot = self.point(lines[0].start.x, underside)
+                left = self.line(foot, lines[0].start)
+                self.side(left, False)
+            next_foot = self.point(lines[-1].end.x, underside)
+            under = self.line(foot, next_foot)
+            right = self.line(next_foot, lines[-1].end)
+            self.side(under, True)
+            for line in lines:
+                self.side(line, False)
+            above = [(line, False) for line in reversed(lines)]
+            self.cap([(under, True), (right, True), *above, (left, False)])
+            foot, left = next_foot, right
+        if left is not None:
+            self.side(left, True)
+        return self.solid(name)
 
     def _straight(self, start: Point, end: Point) -> tuple[list[str], str]:
         """Return the two lines of a piece and its plane, all through the piece's lower end.
@@ -161,4 +205,4 @@ class Extrusion:
         file = self.file
         edges = file.add(f"EDGE_LOOP('',({','.join(loop)}))")
         bound = file.add(f"FACE_BOUND('',{edges},{_SENSE[sense]})")
-        self.faces.append(file.add(f"ADVANCED_FACE('',({bound}),{surface},{_SENSE[up]})"))
+        self._faces.append(file.add(f"ADVANCED_FACE('',({bound}),{surface},{_SENSE[up]})"))

@@ -1,5 +1,6 @@
 """`mpfcad design`: find the curvature map for a backlight, and verify it."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -24,11 +25,15 @@ def command(
     from mpfcad.cli.terminal import Terminal
     from mpfcad.job.design import read_design
     from mpfcad.pipeline import default_design_out, run_design
+    from mpfcad.report import range_words
 
     design = read_design(design_file)
     folder = out or default_design_out(design)
     with Terminal() as terminal:
         job_file = run_design(design, design_file, folder, threads=threads, progress=terminal)
+    record = json.loads((folder / "design.json").read_bytes())
+    for sentence in range_words(record["thickness"]) if record["thickness"] else ():
+        print(sentence)
     print(f"{job_file}\n{folder / 'design.html'}")
     if not verify:
         return 0

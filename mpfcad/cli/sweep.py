@@ -26,6 +26,7 @@ def command(
     from mpfcad.cli.terminal import Terminal
     from mpfcad.job.sweep import read_sweep
     from mpfcad.pipeline import default_sweep_out, run_sweep
+    from mpfcad.report import limit_words
 
     sweep = read_sweep(sweep_file)
     folder = out or default_sweep_out(sweep)
@@ -40,5 +41,8 @@ def command(
             f"{curve + ': ' if curve else ''}least contrast {one['contrast']['value']:.4f} "
             f"[{low:.4f}, {high:.4f}] at {one['axis']} = {one['optimum']:g}"
         )
+    for one in record["thickness_limits"]:
+        curve = ", ".join(f"{k} = {v}" for k, v in one["curve"].items())
+        print(f"{curve + ': ' if curve else ''}{' '.join(limit_words(one))}")
     print(folder / "sweep.html")
     return 0

@@ -6,16 +6,18 @@ traced in full; `search_by_inversion` is the published method. Maps are cosine s
 `Constraint`.
 """
 
+from mpfcad.design.bound import BOUND_GRID, bound_contrast
 from mpfcad.design.cosine import ROWS, Constraint, cosine_basis, row_position, series_rows
 from mpfcad.design.estimate import estimate_operators
 from mpfcad.design.grid import Grid
-from mpfcad.design.optimum import Correction, Goal, find_optimum, predict
+from mpfcad.design.optimum import Correction, Goal, Prediction, find_optimum, predict
 from mpfcad.design.reach import Reach, find_reach
 from mpfcad.design.response import Operators, Response
 from mpfcad.design.search import Iteration, Traced, best_of, correction_of, search_by_response
 from mpfcad.design.thesis import search_by_inversion
 
 __all__ = [
+    "BOUND_GRID",
     "ROWS",
     "Constraint",
     "Correction",
@@ -23,10 +25,12 @@ __all__ = [
     "Grid",
     "Iteration",
     "Operators",
+    "Prediction",
     "Reach",
     "Response",
     "Traced",
     "best_of",
+    "bound_contrast",
     "correction_of",
     "cosine_basis",
     "estimate_operators",

@@ -1,5 +1,6 @@
 """The tables of a design: what is wanted, within what, and how it is searched."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -46,6 +47,26 @@ class ConstraintTable(_Table):
     registration_mm: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.0
 
 
+class ThicknessTable(_Table):
+    """`[thickness]`: the least one that serves is searched, in the place of the stack's."""
+
+    min_mm: Annotated[Positive, Field(le=1000)]
+    max_mm: Annotated[Positive, Field(le=1000)]
+    step_mm: Annotated[Positive, Field(le=1000)] = 0.5
+
+    @model_validator(mode="after")
+    def _order(self) -> "ThicknessTable":
+        if self.min_mm >= self.max_mm:
+            raise ValueError(f"max_mm = {self.max_mm:g} must be above min_mm = {self.min_mm:g}")
+        return self
+
+    def values(self) -> list[float]:
+        """Return the thicknesses [mm] that may come out, ascending; the largest among them."""
+        count = math.ceil((self.max_mm - self.min_mm) / self.step_mm - 1e-9)
+        inner = [round(self.min_mm + i * self.step_mm, 6) for i in range(count)]
+        return [*inner, self.max_mm]
+
+
 class SearchTable(_Table):
     """`[search]`: the method and what it may trace."""
 
@@ -71,6 +92,7 @@ class Design(_Table):
     goal: GoalTable = GoalTable()
     constraint: ConstraintTable = ConstraintTable()
     search: SearchTable = SearchTable()
+    thickness: ThicknessTable | None = None
     film: FilmTable = FilmTable()
     process: ProcessTable = ProcessTable()
     mask: MaskTable = MaskTable()
@@ -78,6 +100,24 @@ class Design(_Table):
     stack: StackTable = StackTable(preset="thesis-32in-mpf")
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
+
+    @model_validator(mode="after")
+    def _one_thickness(self) -> "Design":
+        if self.thickness is None:
+            return self
+        if self.stack.thickness_mm is not None:
+            raise ValueError("stack.thickness_mm must be left out where [thickness] is given")
+        if self.search.method == "thesis":
+            raise ValueError('search.method = "thesis" has no model to find a thickness by')
+        return self
+
+    def at_thickness(self, thickness: float, override: dict[str, Any] | None = None) -> "Design":
+        """Return the design for one thickness [mm], with further values of the stack changed."""
+        change = {"thickness_mm": thickness}
+        if override:
+            change["override"] = {**self.stack.override, **override}
+        stack = self.stack.model_copy(update=change)
+        return self.model_copy(update={"stack": stack, "thickness": None})
 
     def document(self) -> dict[str, Any]:
         """Return the design as plain JSON values, every default written out."""

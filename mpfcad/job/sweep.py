@@ -11,8 +11,9 @@ from mpfcad.job.design import ConstraintTable, GoalTable, Name, SearchTable
 from mpfcad.job.model import Positive, _Table
 from mpfcad.job.reader import read_document, validate
 
-#: Axes besides the fields of a job: fill in the curvature's place, and the film's place.
-FILL_AXIS = "fill_fraction"
+#: Axes besides the fields of a job: fill in the curvature's place, lamps spread evenly over the
+#: panel, and the film's place.
+FILL_AXIS, LAMP_AXIS = "fill_fraction", "lamp_count"
 REGISTRATION_AXES = ("shift_mm", "stretch_percent", "rotation_deg", "lamp_pitch_error_mm")
 _TABLES = ("map", "film", "process", "mask", "cad", "stack")
 Value = Annotated[float, Field(allow_inf_nan=False)] | str
@@ -54,10 +55,10 @@ class Sweep(_Table):
     def _known_axes(self) -> "Sweep":
         for axis, values in self.axis.items():
             if axis.partition(".")[0] not in _TABLES or "." not in axis:
-                if axis not in (FILL_AXIS, *REGISTRATION_AXES):
+                if axis not in (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES):
                     raise ValueError(
-                        f"axis {axis}: must be table.field of a job, {FILL_AXIS} or one of "
-                        f"{', '.join(REGISTRATION_AXES)}"
+                        f"axis {axis}: must be table.field of a job, {FILL_AXIS}, {LAMP_AXIS} or "
+                        f"one of {', '.join(REGISTRATION_AXES)}"
                     )
                 if not all(isinstance(value, float) for value in values):
                     raise ValueError(f"axis {axis}: must be numbers")

@@ -200,8 +200,8 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     """Return the next facet a ray meets: (facet or -1, x, y, z, shift x, shift y).
 
     The ray starts at (x, y, z) [mm] in the tile of `size` (width, length); low, high: lowest and
-    highest z of the top. Shifts [mm] lead back to the coordinates before; facet -1: the ray leaves
-    the zone of the top without a hit; -2: it was lost (a hole).
+    highest z of the facets. Shifts [mm] lead back to the coordinates before; facet -1: the ray
+    leaves these heights without a hit; -2: it never does.
     """
     width, length = size
     slack = 16 * 2.3e-16 * max(width, length, high)
@@ -216,10 +216,6 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     x += free * dx
     y += free * dy
     z += free * dz
-    # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
-    leave = math.inf
-    if dz != 0.0:
-        leave = ((high if upward else low) - z) / dz + slack / abs(dz)
     for _ in range(1_000_000):
         turn_x = math.floor(x / width) if not 0.0 <= x <= width else 0.0
         turn_y = math.floor(y / length) if not 0.0 <= y <= length else 0.0
@@ -230,6 +226,10 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
         to_x = ((width if dx > 0.0 else 0.0) - x) / dx if dx != 0.0 else math.inf
         to_y = ((length if dy > 0.0 else 0.0) - y) / dy if dy != 0.0 else math.inf
         edge = max(0.0, min(to_x, to_y))
+        # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
+        leave = math.inf
+        if dz != 0.0:
+            leave = ((high if upward else low) - z) / dz + slack / abs(dz)
         reach = min(edge, leave) + slack
         facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, -slack, reach)
         if facet >= 0:
@@ -237,12 +237,10 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
             return facet, x, y, z, shift_x, shift_y
         # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
         if leave < edge:
-            lost = inside == upward
-            return (-2 if lost else -1), x, y, z, shift_x, shift_y
+            return -1, x, y, z, shift_x, shift_y
         x += edge * dx
         y += edge * dy
         z += edge * dz
-        leave -= edge
         # Exactly onto the opposite side of the tile.
         if to_x <= edge:
             x = 0.0 if dx > 0.0 else width

@@ -28,13 +28,15 @@ from mpfcad.optics.film import (
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.grid_lanes import grid_passages
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import LANES
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
 from mpfcad.optics.sampling import start_path
 from mpfcad.optics.scene import Scene
-from mpfcad.optics.source import Source, start_ray
-from mpfcad.optics.tile import BVH, GRID
+from mpfcad.optics.source import LAMPS, Source, start_ray
+from mpfcad.optics.start_lanes import start_rays
+from mpfcad.optics.tile import CHAIN, GRID
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
@@ -62,12 +64,26 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
 
 
 @kernel
+def _refill(scene, source, seed, stream, first, started, slots, count, wave):
+    """Put new paths into free slots while there are any of `count`; return the next's number."""
+    slots = slots[: min(len(slots), count - started)]
+    if source.kind == LAMPS:
+        for i in range(len(slots)):
+            path = first + uint64(started + i)
+            _begin(scene, source, seed, stream, path, slots[i], started + i, wave)
+    else:
+        for i in range(0, len(slots), LANES):
+            start_rays(scene, source, seed, stream, first, started + i, slots[i : i + LANES], wave)
+    return started + len(slots)
+
+
+@kernel
 def _pass_queue(scene, e, rays, wave):
     """Follow the rays that wait before element e through it."""
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
         # Resin that scatters is followed ray by ray.
-        if tile.accelerator != BVH and scene.parameter[e, SCATTERING] == 0.0:
+        if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
     for slot in rays:
@@ -100,7 +116,7 @@ def _pass_film(tile, film, rays, wave):
     else:
         film_passages(
             tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-            rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
         )  # fmt: skip
     if placed:
         for slot in rays:
@@ -147,10 +163,16 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
     Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
     squares; `wave` is scratch. A scene without elements has no paths.
     """
-    started = min(len(wave.way), len(radiance))
-    for slot in range(started):
-        _begin(scene, source, seed, stream, first + uint64(slot), slot, slot, wave)
+    started = 0
+    freed = wave.freed
+    free = min(len(freed), len(radiance))
+    for slot in range(free):
+        freed[slot] = slot
     while True:
+        started = _refill(
+            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave
+        )
+        free = 0
         e, waiting = longest_queue(wave)
         if waiting == 0:
             return
@@ -166,10 +188,8 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
                 flow2[f] += wave.once[slot, f] * wave.once[slot, f]
-            if started < len(radiance):
-                path = first + uint64(started)
-                _begin(scene, source, seed, stream, path, slot, started, wave)
-                started += 1
+            freed[free] = slot
+            free += 1
 
 
 def trace(

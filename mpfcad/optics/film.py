@@ -81,11 +81,12 @@ def _build_passage(scatters: bool):
         inside = False
         k = -1
         if up:
+            z = 0.0
+        if up and tile.underside:
             entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
             if not entered:
                 return -1, x + base_x, y + base_y, dx, dy, dz
             inside = True
-            z = 0.0
         for _ in range(_MOST_HITS):
             x0, y0, z0 = x, y, z
             if scatters and amid:
@@ -117,8 +118,9 @@ def _build_passage(scatters: bool):
                 inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
                 continue
             if not inside:
-                flight = max(0.0, (tile.high - z) / dz)
-                return 1, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
+                flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
+                way = 1 if dz > 0.0 else -1
+                return way, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
             flight = z / -dz
             x += flight * dx
             y += flight * dy

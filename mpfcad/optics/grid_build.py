@@ -19,8 +19,10 @@ def build_grid(mesh: FilmMesh) -> Grid | None:
 
     None where facets are of too different sizes for one: where they would be listed more than four
     times on average, or more than 32 in some cell, at any size of the cells. Then most cells hold
-    nothing, or many.
+    nothing, or many. Nor is there one where no flat underside closes the film.
     """
+    if not mesh.underside:
+        return None
     corner = mesh.vertex[mesh.top]
     low, high = corner.min(axis=1), corner.max(axis=1)
     best, cheapest = None, math.inf

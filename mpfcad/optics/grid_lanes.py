@@ -9,7 +9,6 @@ import math
 
 from numba import uint64
 
-from mpfcad.optics.film_lanes import DX, DY, DZ, X, Y, Z
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.grid import MOST_TILES, arrive, into_tile, to_zone
 from mpfcad.optics.grid_walk import choose, no_walk, rounding, start_walk, walk_on
@@ -37,7 +36,9 @@ from mpfcad.optics.sampling import (
     philox4x32,
 )
 
-# Rows of the lanes' scratch.
+# Columns of a ray's place and first rows of the lanes' scratch.
+X, Y, Z, DX, DY, DZ = range(6)
+# Further rows.
 _BASE_X, _BASE_Y = 6, 7
 _STATE, _INSIDE, _HITS, _DRAW, _SPARE, _HAS, _PATH0, _PATH1, _RAY = range(9)
 _ON_WAY, _FROM_ABOVE, _FROM_BELOW = range(3)

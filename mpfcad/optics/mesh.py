@@ -1,9 +1,9 @@
 """Reads a film mesh from an STL file and makes sure that it can be traced as a repeating tile.
 
-The tracer starts from the file alone. It asks for a closed, outward oriented mesh with a flat
-underside and upright sides whose top repeats from side to side: then the film continues beyond its
-edges as copies of itself, and what happens between lamps far from the panel's rim is traced without
-one.
+The tracer starts from the file alone. It asks for a closed, outward oriented mesh whose opposite
+sides match: then the film continues beyond its edges as copies of itself, and what happens between
+lamps far from the panel's rim is traced without one. Overhangs, voids and several bodies are as
+good as one height over a flat underside.
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.optics.mesh_solid import at, check_solid
 
 _RECORD = np.dtype(
     [("normal", "<f4", (3,)), ("vertex", "<f4", (3, 3)), ("attribute", "<u2")], align=False
@@ -21,7 +22,7 @@ _RECORD = np.dtype(
 
 @dataclass(frozen=True, eq=False)
 class FilmMesh:
-    """A film tile: its top surface as triangles, over a flat underside at z = 0.
+    """A film tile as triangles.
 
     Attributes
     ----------
@@ -31,11 +32,15 @@ class FilmMesh:
         (t, 3) int64, vertex numbers of the facets that are neither underside nor side
     size
         (width, length, thickness) [mm]
+    underside
+        whether a flat underside at z = 0 closes the film over the whole tile; if not, `top` has all
+        facets but the sides
     """
 
     vertex: NDArray[np.float64]
     top: NDArray[np.int64]
     size: tuple[float, float, float]
+    underside: bool = True
 
 
 def read_film_mesh(path: Path) -> FilmMesh:
@@ -44,25 +49,60 @@ def read_film_mesh(path: Path) -> FilmMesh:
     Raises
     ------
     InputError
-        when the file is missing or no binary STL, or the mesh is open, inverted, without a flat
-        underside, or does not repeat from side to side; the text names the place.
+        when the file is missing or no binary STL, or the mesh is open, inverted, touches itself or
+        does not repeat from side to side; the text names the place.
+    """
+    vertex, facet = read_solid(path)
+    check_solid(path, vertex, facet)
+    return film_of(path, vertex, facet)
+
+
+def read_solid(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (v, 3) [mm] and facets (n, 3) of a binary STL file, whatever they bound.
+
+    Raises
+    ------
+    InputError
+        when the file is missing or no binary STL, or a number in it is not finite.
     """
     path = Path(path)
-    corner = _read_facets(path)
-    vertex, facet = _weld(corner)
+    vertex, facet = weld(read_facets(path))
     _check_finite(path, vertex)
-    _check_closed(path, vertex, facet)
+    return vertex, facet
+
+
+def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
+    """Return the film tile that the facets of a solid are.
+
+    Raises
+    ------
+    InputError
+        when it is no film or does not repeat from side to side; the text names the place.
+    """
     low, high = vertex.min(axis=0), vertex.max(axis=0)
     vertex = vertex - low
     size = high - low
     if not (size > 0).all():
         raise InputError(f"{path}: mesh: extent {tuple(size)} mm: must be a solid")
-    top = _top_facets(path, vertex, facet, size)
-    _check_repeats(path, vertex, top, size)
-    return FilmMesh(vertex, top, (float(size[0]), float(size[1]), float(size[2])))
+    whole = (float(size[0]), float(size[1]), float(size[2]))
+    sides = [_lies_in(vertex, facet, axis, plane) for axis in (0, 1) for plane in (0.0, size[axis])]
+    under = _lies_in(vertex, facet, 2, 0.0)
+    underside = _covers(vertex, facet[under], size)
+    traced = ~np.any(sides, axis=0)
+    if underside:
+        traced &= ~under
+    top = facet[traced]
+    for axis in (0, 1):
+        rims = [_rim(facet[sides[2 * axis + i]], top, len(vertex)) for i in (0, 1)]
+        _check_repeats(path, vertex, axis, size[axis], rims)
+        for plane, rim in zip((0.0, size[axis]), rims, strict=True):
+            _check_apart(path, vertex, axis, plane, top, rim)
+    if underside:
+        _check_above(path, vertex, top)
+    return FilmMesh(vertex, top, whole, underside)
 
 
-def _read_facets(path: Path) -> NDArray[np.float32]:
+def read_facets(path: Path) -> NDArray[np.float32]:
     """Return the facets' corners, (n, 3, 3) float32 [mm]."""
     try:
         data = path.read_bytes()
@@ -79,19 +119,32 @@ def _read_facets(path: Path) -> NDArray[np.float32]:
     return np.frombuffer(data, _RECORD, count, offset=84)["vertex"]
 
 
-def _weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex.
 
     Facets with two equal corners bound nothing and are left out: their neighbours join.
     """
-    points = np.ascontiguousarray(corner.reshape(-1, 3)) + np.float32(0)  # -0 becomes 0
-    key = points.view(np.uint32).reshape(-1, 3)
-    _, first, inverse = np.unique(
-        key.view([("", np.uint32)] * 3).ravel(), return_index=True, return_inverse=True
-    )
-    facet = inverse.reshape(-1, 3).astype(np.int64)
+    points = corner.reshape(-1, 3) + np.float32(0)  # -0 becomes 0
+    # Two coordinates a whole number: sorted several times faster than records.
+    bits = points.view(np.uint32)
+    number = _numbered(_numbered(bits[:, 0], bits[:, 1]), bits[:, 2])
+    vertex = np.empty((number.max() + 1, 3))
+    vertex[number] = points
+    facet = number.reshape(-1, 3)
     collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
-    return points[first].astype(np.float64), facet[~collapsed]
+    return vertex, facet[~collapsed]
+
+
+def _numbered(high: NDArray[np.integer], low: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Return the rank of each pair, (n,), in the order of `high`, then of `low`."""
+    key = high.astype(np.uint64)
+    key <<= np.uint64(32)
+    key |= low
+    order = np.argsort(key)
+    key = key[order]
+    rank = np.empty(len(key), np.int64)
+    rank[order] = np.r_[0, np.cumsum(key[1:] != key[:-1])]
+    return rank
 
 
 def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
@@ -100,88 +153,70 @@ def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
         raise InputError(f"{path}: mesh: vertex {vertex[bad[0]]}: must be finite")
 
 
-def _check_closed(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> None:
-    """Raise unless every directed edge has its reverse exactly once, and the volume is positive."""
-    start = facet.ravel()
-    end = np.roll(facet, -1, axis=1).ravel()
-    count = len(vertex)
-    forward, times = np.unique(start * count + end, return_counts=True)
-    backward, returns = np.unique(end * count + start, return_counts=True)
-    unpaired = np.setdiff1d(forward, backward)
-    if len(unpaired) == 0:
-        # Both hold the same edges now.
-        unpaired = forward[times != returns]
-    fault = "open or inconsistently oriented"
-    if len(unpaired) == 0:
-        unpaired, fault = forward[times > 1], "touches itself"
-    if len(unpaired):
-        edge = int(unpaired[0])
-        place = _at((vertex[edge // count] + vertex[edge % count]) / 2)
-        raise InputError(
-            f"{path}: mesh: {fault} at {place}: "
-            "each edge must be shared by exactly two facets, once in each direction"
-        )
-    a, b, c = (vertex[facet[:, i]] - vertex.mean(axis=0) for i in range(3))
-    volume = float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
-    if volume <= 0:
-        raise InputError(f"{path}: mesh: volume {volume:g} mm³: facets must be oriented outward")
+def _lies_in(
+    vertex: NDArray[np.float64], facet: NDArray[np.int64], axis: int, plane: float
+) -> NDArray[np.bool_]:
+    """Return which facets lie in the plane where a coordinate is `plane` [mm]."""
+    return (vertex[:, axis] == plane)[facet].all(axis=1)
 
 
-def _top_facets(
-    path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64], size: NDArray[np.float64]
-) -> NDArray[np.int64]:
-    """Return the facets that are neither the underside nor one of the four upright sides."""
-    corner = vertex[facet]
-    under = (corner[..., 2] == 0).all(axis=1)
-    side = np.zeros(len(facet), bool)
-    for axis in (0, 1):
-        for plane in (0.0, size[axis]):
-            side |= (corner[..., axis] == plane).all(axis=1)
-    edges = corner[under]
-    area = np.abs(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])[:, 2]).sum() / 2
-    if abs(area - size[0] * size[1]) > 1e-6 * size[0] * size[1]:
-        raise InputError(
-            f"{path}: mesh: flat underside at the lowest z covers {area:g} mm² of "
-            f"{size[0] * size[1]:g} mm²: a film needs a flat rectangular underside"
-        )
-    top = facet[~under & ~side]
-    up = np.cross(vertex[top[:, 1]] - vertex[top[:, 0]], vertex[top[:, 2]] - vertex[top[:, 0]])[
-        :, 2
-    ]
-    projected = up.sum() / 2
-    if (up < 0).any() or abs(projected - size[0] * size[1]) > 1e-6 * size[0] * size[1]:
-        bad = _at(vertex[top[np.argmin(up)]].mean(axis=0))
-        raise InputError(
-            f"{path}: mesh: the upper surface near {bad} overhangs or leaves part of the "
-            "rectangle uncovered: a film's top is one height over its whole base"
-        )
-    # One height over its base cannot cross itself; touch the underside it can.
-    thin = vertex[top][..., 2] == 0
-    if thin.any():
-        raise InputError(
-            f"{path}: mesh: touches itself at {_at(vertex[top][thin][0])}: "
-            "the upper surface must lie above the underside"
-        )
-    return top
+def _covers(
+    vertex: NDArray[np.float64], under: NDArray[np.int64], size: NDArray[np.float64]
+) -> bool:
+    """Return whether flat facets fill the rectangle of the tile."""
+    corner = vertex[under]
+    area = np.abs(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])[:, 2]).sum()
+    return bool(abs(area / 2 - size[0] * size[1]) <= 1e-6 * size[0] * size[1])
+
+
+def _rim(side: NDArray[np.int64], top: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the edges (n, 2) of a side, as its facets run, beyond which a traced facet lies."""
+    edges = (facet.ravel() * count + np.roll(facet, -1, axis=1).ravel() for facet in (side, top))
+    along, across = edges
+    back = across % count * count + across // count
+    rim = np.intersect1d(along, back)
+    return np.stack([rim // count, rim % count], axis=1)
 
 
 def _check_repeats(
-    path: Path, vertex: NDArray[np.float64], top: NDArray[np.int64], size: NDArray[np.float64]
+    path: Path, vertex: NDArray[np.float64], axis: int, size: float, rims: list[NDArray[np.int64]]
 ) -> None:
-    """Raise unless the top meets opposite sides in the same line."""
-    used = vertex[np.unique(top)]
-    for axis, name in ((0, "x"), (1, "y")):
-        other = 1 - axis
-        lines = []
-        for plane in (0.0, size[axis]):
-            line = used[used[:, axis] == plane][:, (other, 2)]
-            lines.append(line[np.lexsort(line.T)])
-        if lines[0].shape != lines[1].shape or (lines[0] != lines[1]).any():
+    """Raise unless opposite sides of the tile end along the same lines, the film within both."""
+    lines = [vertex[rim][..., (1 - axis, 2)].reshape(-1, 4) for rim in (rims[0], rims[1][:, ::-1])]
+    lines = [np.ascontiguousarray(line).view([("", float)] * 4).ravel() for line in lines]
+    only = [np.setdiff1d(lines[i], lines[1 - i]) for i in (0, 1)]
+    for i, left_over in enumerate(only):
+        if len(left_over):
+            name = "xy"[axis]
+            place = np.full(3, (0.0, size)[i])
+            a = np.array(left_over[0].tolist())
+            place[[1 - axis, 2]] = (a[:2] + a[2:]) / 2
             raise InputError(
-                f"{path}: mesh: the upper surface at {name} = 0 and {name} = {size[axis]:g} mm "
-                "differs: the tile must repeat from side to side"
+                f"{path}: mesh: the surface at {name} = 0 and {name} = {size:g} mm differs at "
+                f"{at(place)}: the tile must repeat from side to side"
             )
 
 
-def _at(point: NDArray[np.float64]) -> str:
-    return "({:.6g}, {:.6g}, {:.6g}) mm".format(*point)
+def _check_apart(
+    path: Path, vertex: NDArray[np.float64], axis: int, plane: float,
+    top: NDArray[np.int64], rim: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Raise where a body only just reaches a side of the tile, and so touches its own copy."""
+    used = np.unique(top)
+    alone = np.setdiff1d(used[vertex[used, axis] == plane], rim)
+    if len(alone):
+        raise InputError(
+            f"{path}: mesh: touches its copy in the next tile at {at(vertex[alone[0]])}: "
+            "bodies must end within the tile or go on beyond it"
+        )
+
+
+def _check_above(path: Path, vertex: NDArray[np.float64], top: NDArray[np.int64]) -> None:
+    """Raise where the upper surface touches the flat underside."""
+    corner = vertex[top]
+    thin = corner[..., 2] == 0
+    if thin.any():
+        raise InputError(
+            f"{path}: mesh: touches itself at {at(corner[thin][0])}: "
+            "the upper surface must lie above the underside"
+        )

@@ -72,6 +72,7 @@ class ReferenceFilm:
         inside, o = False, (place[0], place[1], self.high)
         if up:
             o = (place[0], place[1], 0.0)
+        if up and film.mesh.underside:
             if rng() < reflectance(abs(d[2]), film.index_below, film.index):
                 return False, o, (d[0], d[1], -d[2])
             d = refract(d, (0.0, 0.0, -1.0), film.index_below, film.index)
@@ -90,11 +91,11 @@ class ReferenceFilm:
                 o = tuple(a + distance * b for a, b in zip(o, d, strict=True))
                 inside, d = self._at_facet(inside, normal, d, rng)
                 continue
-            level = 0.0 if inside else self.high
+            level = self.high if d[2] > 0 else 0.0
             flight = (level - o[2]) / d[2]
             o = (o[0] + flight * d[0], o[1] + flight * d[1], level)
             if not inside:
-                return True, o, d
+                return d[2] > 0, o, d
             if rng() < reflectance(abs(d[2]), film.index, film.index_below):
                 d = (d[0], d[1], -d[2])
                 continue

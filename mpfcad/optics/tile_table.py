@@ -14,6 +14,7 @@ from mpfcad.optics.bvh import Bvh
 from mpfcad.optics.chain import Chain
 from mpfcad.optics.grid import Grid
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.section import Section
 from mpfcad.optics.tile import NO_TILE, Tile
 
 
@@ -23,12 +24,12 @@ class TileTable(NamedTuple):
     Attributes
     ----------
     size
-        (t, 4) float64 [mm], width, length, low and high of each
+        (t, 5) float64 [mm], width, length, low and high of each, and whether it has an underside
     accelerator
         (t,) int64, of each
-    chain, bvh, grid
+    chain, bvh, section, grid
         their accelerators' arrays, joined
-    chain_at, bvh_at, grid_at
+    chain_at, bvh_at, section_at, grid_at
         (t+1, fields) int64, where the part of each tile begins in each of those arrays
     """
 
@@ -36,21 +37,25 @@ class TileTable(NamedTuple):
     accelerator: NDArray[np.int64]
     chain: Chain
     bvh: Bvh
+    section: Section
     grid: Grid
     chain_at: NDArray[np.int64]
     bvh_at: NDArray[np.int64]
+    section_at: NDArray[np.int64]
     grid_at: NDArray[np.int64]
 
 
 def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     """Return the table of some tiles; of none, one that is never looked at."""
     tiles = tiles or [NO_TILE]
-    size = np.array([(t.width, t.length, t.low, t.high) for t in tiles])
+    size = np.array([(t.width, t.length, t.low, t.high, t.underside) for t in tiles], float)
     accelerator = np.array([t.accelerator for t in tiles], np.int64)
     chain, chain_at = _joined([t.chain for t in tiles])
     bvh, bvh_at = _joined([t.bvh for t in tiles])
+    section, section_at = _joined([t.section for t in tiles])
     grid, grid_at = _joined([t.grid for t in tiles])
-    return TileTable(size, accelerator, chain, bvh, grid, chain_at, bvh_at, grid_at)
+    at = chain_at, bvh_at, section_at, grid_at
+    return TileTable(size, accelerator, chain, bvh, section, grid, *at)
 
 
 def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
@@ -66,11 +71,11 @@ def tile_of(table, t):
     """Return tile number `t` of a table, its arrays as views."""
     c, d = table.chain_at[t], table.chain_at[t + 1]
     chain = Chain(
-        table.chain.vertex[c[0] : d[0]],
-        table.chain.segment[c[1] : d[1]],
-        table.chain.run[c[2] : d[2]],
-        table.chain.run_of[c[3] : d[3]],
-        table.chain.first[c[4] : d[4]],
+        table.chain.segment[c[0] : d[0]],
+        table.chain.run[c[1] : d[1]],
+        table.chain.range[c[2] : d[2]],
+        table.chain.cell[c[3] : d[3]],
+        table.chain.run_of[c[4] : d[4]],
     )
     c, d = table.bvh_at[t], table.bvh_at[t + 1]
     bvh = Bvh(
@@ -80,6 +85,14 @@ def tile_of(table, t):
         table.bvh.facet[c[3] : d[3]],
         table.bvh.normal[c[4] : d[4]],
     )
+    c, d = table.section_at[t], table.section_at[t + 1]
+    section = Section(
+        table.section.corner[c[0] : d[0]],
+        table.section.segment[c[1] : d[1]],
+        table.section.first[c[2] : d[2]],
+        table.section.normal[c[3] : d[3]],
+        table.section.shape[c[4] : d[4]],
+    )
     c, d = table.grid_at[t], table.grid_at[t + 1]
     grid = Grid(
         table.grid.count[c[0] : d[0]],
@@ -87,5 +100,8 @@ def tile_of(table, t):
         table.grid.corner[c[2] : d[2]],
         table.grid.facet[c[3] : d[3]],
     )
-    size = table.size[t]
-    return Tile(size[0], size[1], size[2], size[3], table.accelerator[t], chain, bvh, grid)
+    size, accelerator = table.size[t], table.accelerator[t]
+    underside = size[4] != 0.0
+    return Tile(
+        size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section, grid
+    )

@@ -2,17 +2,17 @@
 
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from mpfcad.design import Iteration
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design_reach import describe_reach
+from mpfcad.pipeline.design_record import describe_design
+from mpfcad.pipeline.design_thickness import ThicknessSearch
 from mpfcad.pipeline.design_work import DesignWork
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.record import versions
 
 RECORD, PAGE = "design.json", "design.html"
 
@@ -42,9 +42,18 @@ def run_design(
     """
     design_file, out = Path(design_file), Path(out)
     refuse_foreign(out.resolve(), "design")
-    work = DesignWork(design, design_file, out, threads or available_threads(), progress)
-    done = work.search()
-    record = describe_design(work, done)
+    threads = threads or available_threads()
+    if design.thickness is None:
+        found = None
+        work = DesignWork(design, design_file, out, threads, progress)
+    else:
+        range_search = ThicknessSearch(design, design_file, out, threads, progress)
+        least = range_search.search()
+        found = range_search.describe(least)
+        work = range_search.work(least or design.thickness.max_mm)
+    done = work.search_maps(design.goal.contrast_target)
+    reach = describe_reach(work, done) if design.search.method == "response" else None
+    record = describe_design(work, done, reach, found)
     with export_folder(out, "design") as folder:
         best = np.array(work.best(done).rows)
         work.write_job(folder, best, os.path.relpath(design_file.parent, out))
@@ -54,54 +63,3 @@ def run_design(
         write_design_page(folder / PAGE, record)
         write_manifest(folder, design.name, "design")
     return out / f"{design.name}.toml"
-
-
-def describe_design(work: DesignWork, done: list[Iteration]) -> dict[str, Any]:
-    """Return everything that was found, in outside names."""
-    constraint = work.constraint
-    return {
-        "schema": 1,
-        "name": work.design.name,
-        "design": work.design.document(),
-        "stack": {"title": work.stack.title, "inputs": work.stack.inputs()},
-        "constraint": {
-            "curvature_min_per_mm": constraint.curvature_min,
-            "curvature_max_per_mm": constraint.curvature_max,
-            "change_max_per_mm2": constraint.change_max,
-        },
-        "lamp_pitch_mm": work.pitch,
-        "model": work.model,
-        "reach": work.reach,
-        "iterations": [describe_iteration(one) for one in done],
-        "chosen": done.index(work.best(done)),
-        "paths": sum(one.traced.paths for one in done),
-        "versions": versions(),
-    }
-
-
-def describe_iteration(one: Iteration) -> dict[str, Any]:
-    """Return a traced map in outside names."""
-    traced = one.traced
-    predicted = None
-    if one.predicted_contrast is not None:
-        predicted = {
-            "lamp_mura_contrast": one.predicted_contrast,
-            "mean_luminance_cd_m2": one.predicted_mean,
-        }
-    half = 1.959963984540054 * traced.mean_error
-    return {
-        "label": one.label,
-        "series_per_mm": list(one.series),
-        "curvature_per_mm": list(one.rows),
-        "predicted": predicted,
-        "lamp_mura_contrast": {
-            "value": traced.contrast,
-            "ci95": [traced.contrast_low, traced.contrast_high],
-        },
-        "mean_luminance_cd_m2": {
-            "value": traced.mean,
-            "ci95": [traced.mean - half, traced.mean + half],
-        },
-        "fit_coefficient_cd_m2": list(traced.coefficient),
-        "paths": traced.paths,
-    }

@@ -1,7 +1,5 @@
 """`run_sweep`: every point traced once, by any number of processes, and what they say together."""
 
-import hashlib
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,9 +10,17 @@ import numpy as np
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job.sweep import Sweep
 from mpfcad.pipeline.effort import available_threads
+from mpfcad.pipeline.kept_point import find_kept, keep_result, point_file
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.record import versions
-from mpfcad.pipeline.sweep_point import Point, build_point, describe_coordinate, trace_point
+from mpfcad.pipeline.sweep_curve import THICKNESS_AXIS, find_limits, find_optima, main_axis
+from mpfcad.pipeline.sweep_point import (
+    Point,
+    build_point,
+    conventional_point,
+    describe_coordinate,
+    trace_point,
+)
 
 RECORD, DATASET, PAGE = "sweep.json", "sweep.nc", "sweep.html"
 
@@ -46,27 +52,24 @@ def run_sweep(
     """
     sweep_file, out = Path(sweep_file), Path(out)
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
-    files = _point_files(points, out.with_name(f".{out.name}.points"))
-    found: dict[int, dict[str, Any]] = {}
-    for i, file in enumerate(files):
-        if file.is_file():
-            found[i] = json.loads(file.read_bytes())
+    if main_axis(sweep) == THICKNESS_AXIS:
+        points.append(conventional_point(points[0], sweep.seed))
+    folder = out.with_name(f".{out.name}.points")
+    files = [point_file(point, folder) for point in points]
+    found = {i: kept for i, file in enumerate(files) if (kept := find_kept(file)) is not None}
     left = {i: point for i, point in enumerate(points) if i not in found}
     progress.stage(f"{len(found)} of {len(points)} points are there")
     if left:
-        files[0].parent.mkdir(parents=True, exist_ok=True)
         with _traced(left, scheduler, workers) as results:
             for i, result in results:
-                # Through JSON, so that a fresh result and a kept one are the same.
-                text = canonical_json(result)
-                part = files[i].with_name(f".{files[i].name}.part")
-                write_text(part, text)
-                part.replace(files[i])
-                found[i] = json.loads(text)
-                name = describe_coordinate(points[i].coordinate)
+                found[i] = keep_result(files[i], result)
+                name = describe_coordinate(points[i].coordinate) or "the conventional stack"
                 progress.stage(f"{len(found)} of {len(points)} points: {name}")
     ordered = [found[i] for i in range(len(points))]
-    record = _describe(sweep, ordered)
+    count = sum(1 for _ in sweep.points())
+    conventional = ordered[count] if len(points) > count else None
+    ordered = ordered[:count]
+    record = _describe(sweep, ordered, conventional)
     with export_folder(out, "sweep") as folder:
         from mpfcad.report import write_sweep_page
 
@@ -75,15 +78,6 @@ def run_sweep(
         write_sweep_page(folder / PAGE, record)
         write_manifest(folder, sweep.name, "sweep")
     return record
-
-
-def _point_files(points: list[Point], folder: Path) -> list[Path]:
-    """Return the result file of each point, named by a hash of all that it depends on."""
-    code = canonical_json(versions())
-    return [
-        folder / f"{hashlib.sha256((code + point.inputs()).encode()).hexdigest()[:32]}.json"
-        for point in points
-    ]
 
 
 @contextmanager
@@ -114,83 +108,21 @@ def _traced(
             cluster.close()
 
 
-def _describe(sweep: Sweep, results: list[dict[str, Any]]) -> dict[str, Any]:
+def _describe(
+    sweep: Sweep, results: list[dict[str, Any]], conventional: dict[str, Any] | None
+) -> dict[str, Any]:
+    limits = [] if conventional is None else find_limits(sweep, results, conventional)
     return {
         "schema": 1,
         "name": sweep.name,
         "sweep": sweep.document(),
         "points": results,
         "optima": find_optima(sweep, results),
+        "thickness_limits": limits,
+        "conventional": conventional,
         "paths": sum(result["paths"] for result in results),
         "versions": versions(),
     }
-
-
-def main_axis(sweep: Sweep) -> str | None:
-    """Return the first axis of numbers with more than one value; the others part the curves."""
-    for axis, values in sweep.axis.items():
-        if len(values) > 1 and isinstance(values[0], float):
-            return axis
-    return None
-
-
-def find_optima(sweep: Sweep, results: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return, for each curve over the main axis, its optimum and the range below the limit.
-
-    The range is where the contrast, linear between points, is below the limit; `certain` where the
-    upper end of its interval is.
-    """
-    axis = main_axis(sweep)
-    if axis is None:
-        return []
-    curves: dict[str, list[dict[str, Any]]] = {}
-    for result in results:
-        rest = {k: v for k, v in result["coordinate"].items() if k != axis}
-        curves.setdefault(json.dumps(rest), []).append(result)
-    return [_optimum(axis, json.loads(rest), curve, sweep) for rest, curve in curves.items()]
-
-
-def _optimum(axis: str, rest: dict, curve: list[dict[str, Any]], sweep: Sweep) -> dict[str, Any]:
-    curve = sorted(curve, key=lambda result: result["coordinate"][axis])
-    x = np.array([result["coordinate"][axis] for result in curve])
-    contrast = [result["lamp_mura_contrast"] for result in curve]
-    value = np.array([c["value"] for c in contrast])
-    high = np.array([c["ci95"][1] for c in contrast])
-    best, brightest = int(np.argmin(value)), None
-    below = np.flatnonzero(high <= sweep.contrast_limit)
-    if below.size:
-        mean = np.array([result["mean_luminance_cd_m2"]["value"] for result in curve])
-        brightest = float(x[below[np.argmax(mean[below])]])
-    return {
-        "axis": axis,
-        "curve": rest,
-        "optimum": float(x[best]),
-        "contrast": contrast[best],
-        "mean_luminance_cd_m2": curve[best]["mean_luminance_cd_m2"],
-        "below_limit": ranges_below(x, value, sweep.contrast_limit),
-        "certain_below_limit": ranges_below(x, high, sweep.contrast_limit),
-        "brightest_below_limit": brightest,
-    }
-
-
-def ranges_below(x: np.ndarray, value: np.ndarray, limit: float) -> list[list[float]]:
-    """Return the ranges [from, to] of x in which a piecewise linear value is at most `limit`."""
-    ranges: list[list[float]] = []
-    inside = False
-    for i in range(len(x)):
-        if value[i] <= limit and not inside:
-            start = x[i]
-            if i > 0:
-                share = (value[i - 1] - limit) / (value[i - 1] - value[i])
-                start = x[i - 1] + share * (x[i] - x[i - 1])
-            ranges.append([float(start), float(x[i])])
-        elif value[i] <= limit:
-            ranges[-1][1] = float(x[i])
-        elif inside:
-            share = (limit - value[i - 1]) / (value[i] - value[i - 1])
-            ranges[-1][1] = float(x[i - 1] + share * (x[i] - x[i - 1]))
-        inside = bool(value[i] <= limit)
-    return ranges
 
 
 def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> None:

@@ -13,11 +13,12 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Groove
 from mpfcad.job import build_job
-from mpfcad.job.sweep import FILL_AXIS, Sweep
+from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.make import write_cad
-from mpfcad.pipeline.plan import Plan, read_plan
+from mpfcad.pipeline.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.progress import SILENT
+from mpfcad.pipeline.thickness_limit import spread_lamps
 from mpfcad.units import deg
 
 _SEARCH = ("goal", "constraint", "search")
@@ -110,6 +111,8 @@ def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
         if not 0 <= fill < 1:
             raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: must be 0 up to below 1")
         document["map"] = {"curvature_per_mm": float(groove.curvature_of_fill(fill))}
+    if LAMP_AXIS in coordinate:
+        _spread_lamps(document, file, coordinate[LAMP_AXIS])
     design = None
     if sweep.design is not None:
         tables = sweep.design.model_dump(mode="json", exclude_unset=True)
@@ -118,6 +121,29 @@ def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
     trace = sweep.trace
     limit = round(trace.paths_million * 1e6)
     return Point(coordinate, document, str(file), trace.half_width, limit, design)
+
+
+def _spread_lamps(document: dict[str, Any], file: Path, count: float) -> None:
+    """Write so many lamps, evenly over the panel's width, into a job's document."""
+    if count < 1 or count != int(count):
+        raise InputError(f"{file}: axis.{LAMP_AXIS}: {count:g}: must be whole and at least 1")
+    job = build_job({**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}, str(file))
+    width = read_job_stack(job, file).panel_width
+    override = document.setdefault("stack", {}).setdefault("override", {})
+    override.update(spread_lamps(width, int(count)))
+
+
+def conventional_point(like: Point, seed: int) -> Point:
+    """Return the conventional stack with a plain BEF, an empty groove, traced as long as `like`."""
+    empty = Groove(0.050, 0.025).curvature_empty
+    job = {
+        "schema": 1,
+        "name": "conventional",
+        "seed": seed,
+        "map": {"curvature_per_mm": empty},
+        "stack": {"preset": "thesis-32in-conventional"},
+    }
+    return Point({}, job, like.where, like.half_width, like.path_limit)
 
 
 def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
@@ -167,18 +193,20 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     """Return what a search of the point's map found, if there is one, and the plan with it."""
     from mpfcad.job.design import Design
     from mpfcad.job.reader import validate
+    from mpfcad.pipeline.design_reach import describe_reach
     from mpfcad.pipeline.design_work import DesignWork
 
     if point.design is None:
         return None, point.plan()
     design = validate(Design, point.design, point.where)
     work = DesignWork(design, Path(point.where), folder / "design", threads, SILENT)
-    done = work.search()
+    done = work.search_maps(design.goal.contrast_target)
+    reach = describe_reach(work, done) if design.search.method == "response" else None
     work.write_map(folder / "map.csv", np.array(work.best(done).rows))
     job = {**point.job, "map": {"file": str(folder / "map.csv"), "extent": "pitch"}}
     searched = {
         "series_per_mm": list(work.best(done).series),
-        "paths": sum(one.traced.paths for one in done),
-        "reach": work.reach,
+        "paths": sum(one.paths for one in done),
+        "reach": reach,
     }
     return searched, replace(point, job=job).plan()

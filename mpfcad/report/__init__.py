@@ -23,6 +23,7 @@ from mpfcad.report.measurement import (
 from mpfcad.report.page import write_report
 from mpfcad.report.picture import PICTURES, write_pictures
 from mpfcad.report.sweep_page import write_sweep_page
+from mpfcad.report.thickness_section import limit_words, range_words
 from mpfcad.report.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.report.verification import (
     CONTRAST_FORMULA,
@@ -55,6 +56,8 @@ __all__ = [
     "describe_uniformity",
     "exit_code",
     "find_difference",
+    "limit_words",
+    "range_words",
     "ratio",
     "worst_outcome",
     "write_compare_page",

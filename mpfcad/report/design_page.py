@@ -9,6 +9,7 @@ import numpy as np
 from mpfcad.report.figure import FINE, figure_html, plotly_script, styled
 from mpfcad.report.style import STYLE
 from mpfcad.report.table import fact_table, figure, short, table, with_interval
+from mpfcad.report.thickness_section import thickness_section
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -23,12 +24,17 @@ def write_design_page(path: Path, record: dict[str, Any]) -> None:
 
 def build_design_page(record: dict[str, Any]) -> str:
     """Return the page as HTML that needs no network."""
-    sections = (
-        ("1 Result", _result(record)),
-        ("2 Iterations", _iterations(record)),
-        ("3 Method and constraints", _method(record)),
+    sections = [
+        ("Result", _result(record)),
+        ("Iterations", _iterations(record)),
+        ("Method and constraints", _method(record)),
+    ]
+    if record["thickness"]:
+        sections.insert(1, ("Thickness", thickness_section(record["thickness"])))
+    body = "".join(
+        f"<section><h2>{number} {title}</h2>{content}</section>"
+        for number, (title, content) in enumerate(sections, 1)
     )
-    body = "".join(f"<section><h2>{title}</h2>{content}</section>" for title, content in sections)
     name, version = escape(record["name"]), escape(record["versions"]["mpfcad"])
     return page(
         f"Design: {name}",
@@ -52,7 +58,7 @@ def _result(record: dict[str, Any]) -> str:
     best = record["iterations"][record["chosen"]]
     rows = np.array(best["curvature_per_mm"])
     facts = [
-        ("backlight", escape(record["stack"]["title"])),
+        ("backlight", f"{escape(record['stack']['title'])}; {record['thickness_mm']:g} mm"),
         ("chosen map", f"{best['label']}: C {rows.min():.2f} … {rows.max():.2f} /mm"),
         ("lamp-Mura contrast, traced", with_interval(best["lamp_mura_contrast"], 4)),
         ("mean normal luminance [cd/m²]", with_interval(best["mean_luminance_cd_m2"], 0)),
@@ -68,7 +74,7 @@ def _result(record: dict[str, Any]) -> str:
             )
         )
     if record["reach"]:
-        facts.append(("luminance between the lamps over that above, by any C in range",
+        facts.append(("luminance between the lamps over that above, found with C in its range",
                       _reach_words(record["reach"])))  # fmt: skip
     return fact_table(facts)
 
@@ -77,10 +83,8 @@ def _reach_words(reach: dict[str, Any]) -> str:
     """Return the extremes that the model gives, and the trace that proves the nearer one."""
     low, high = reach["luminance_ratio"]
     words = f"{low:.4f} … {high:.4f} by the corrected model"
-    if reach["contrast_bound"] == 0:
+    if low <= 1 <= high:
         words += ": they can be made equal"
-    else:
-        words += f": no map has a contrast below {reach['contrast_bound']:.4f}"
     if reach["traced"]:
         words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
     if reach["free_contrast"] is not None:
@@ -88,11 +92,17 @@ def _reach_words(reach: dict[str, Any]) -> str:
             f". Least contrast found for a map of 10 harmonics that may change as steeply as it "
             f"likes: {reach['free_contrast']:.4f}"
         )
+    if reach["contrast_bound"] is not None:
+        words += (
+            f". No map that is the same on both sides of the lamp, steep or not, has a contrast "
+            f"below {reach['contrast_bound']:.4f}: a bound over all of them, by the corrected model"
+        )
     return words
 
 
 def _iterations(record: dict[str, Any]) -> str:
     rows, spent = [], 0
+    moved = record["design"]["constraint"]["registration_mm"]
     for one in record["iterations"]:
         spent += one["paths"]
         curvature, predicted = one["curvature_per_mm"], one["predicted"]
@@ -106,8 +116,13 @@ def _iterations(record: dict[str, Any]) -> str:
                 short(spent / 1e6, 4),
             ]
         )
+        if moved:
+            shifted = one["shifted_lamp_mura_contrast"]
+            rows[-1].append("–" if shifted is None else with_interval(shifted, 4))
     head = ("", "C [1/mm]", "contrast: model", "traced [95 %]", "mean luminance [cd/m²]",
             "paths so far [million]")  # fmt: skip
+    if moved:
+        head += (f"shifted {moved:g} mm, traced",)
     return (
         figure(
             figure_html(curves_figure(record), "curves"),
@@ -120,7 +135,7 @@ def _iterations(record: dict[str, Any]) -> str:
             "Lamp-Mura contrast (L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + "
             "L<sub>min</sub>) of each traced map with its 95 % interval over the paths spent.",
         )
-        + table(head, rows, numeric=(1, 2, 3, 4, 5))
+        + table(head, rows, numeric=range(1, len(head)))
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mpfcad.report.design_page import page
 from mpfcad.report.figure import figure_html, styled
 from mpfcad.report.table import figure, short, table, with_interval
+from mpfcad.report.thickness_section import limit_words
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -32,7 +33,10 @@ def build_sweep_page(record: dict[str, Any]) -> str:
             f"is the limit {record['sweep']['contrast_limit']:g}.",
         )
         content += "<h2>2 Optimum and range below the limit</h2>" + _optima(record)
-    content += "<h2>3 Points</h2>" + _points(record)
+    if record["thickness_limits"]:
+        content += "<h2>3 Limit of thickness</h2>" + _limits(record)
+    number = 1 + content.count("<h2>")
+    content += f"<h2>{number} Points</h2>" + _points(record)
     return page(
         f"Sweep: {name}",
         f'<h1>{name}</h1><p class="sub">{len(record["points"])} points, '
@@ -70,6 +74,14 @@ def _optima(record: dict[str, Any]) -> str:
     head = ("curve", f"best {axis}", "contrast there", "mean luminance [cd/m²]",
             f"{axis} below the limit", "certainly so (95 %)")  # fmt: skip
     return table(head, rows, numeric=(1, 2, 3))
+
+
+def _limits(record: dict[str, Any]) -> str:
+    """Return which thickness each curve serves, in words."""
+    return "".join(
+        f"<p><b>{escape(_label(one['curve']))}.</b> {escape(' '.join(limit_words(one)))}</p>"
+        for one in record["thickness_limits"]
+    )
 
 
 def _points(record: dict[str, Any]) -> str:

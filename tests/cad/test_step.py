@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mpfcad.cad import check_step, write_step
+from mpfcad.cad.step import COLOURS
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Groove, PrismFilm
 
@@ -69,6 +70,51 @@ def test_resin_and_prism_share_their_walls(make_film, tmp_path):
     path = tmp_path / "film.step"
     write_step(make_film([60.0, 50.0, 70.0]), path)
     assert path.read_text().count("=PLANE(") == 2 * 3 + 5
+
+
+def colours_read(path):
+    """Return each part's name and the colours of its solids, from OCCT's document of products."""
+    from OCP.collections import Sequence_TDF_Label
+    from OCP.Quantity import Quantity_Color
+    from OCP.STEPCAFControl import STEPCAFControl_Reader
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDF import TDF_Label
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_ColorTool, XCAFDoc_DocumentTool
+    from OCP.XCAFDoc import XCAFDoc_ShapeTool as Shapes
+
+    reader, document = STEPCAFControl_Reader(), TDocStd_Document(TCollection_ExtendedString("x"))
+    reader.ReadFile(str(path))
+    assert reader.Transfer(document)
+    roots, parts = Sequence_TDF_Label(), Sequence_TDF_Label()
+    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
+    assert roots.Length() == 1
+    Shapes.GetComponents_s(roots.Value(1), parts)
+    found = {}
+    for use in (parts.Value(i) for i in range(1, parts.Length() + 1)):
+        part, name, solids = TDF_Label(), TDataStd_Name(), Sequence_TDF_Label()
+        Shapes.GetReferredShape_s(use, part)
+        part.FindAttribute(TDataStd_Name.GetID_s(), name)
+        Shapes.GetSubShapes_s(part, solids)
+        labels = [solids.Value(i) for i in range(1, solids.Length() + 1)] or [part]
+        colours = found.setdefault(name.Get().ToExtString(), [])
+        for label in labels:
+            colour = Quantity_Color()
+            assert XCAFDoc_ColorTool.GetColor_s(label, XCAFDoc_ColorSurf, colour)
+            linear = (colour.Red(), colour.Green(), colour.Blue())
+            srgb = [Quantity_Color.Convert_LinearRGB_To_sRGB_s(value) for value in linear]
+            colours.append(tuple(np.round(srgb, 4)))
+    return found
+
+
+def test_occt_reads_the_names_and_colours_that_were_written(make_film, tmp_path):
+    film, path = make_film([60.0, 30.0]), tmp_path / "film.step"
+    write_step(film, path)
+    expected = {"BEF": [COLOURS["BEF"]], "fill": [COLOURS["fill"]] * 2}
+    assert colours_read(path) == expected
+    write_step(film, path, bodies="fused")
+    assert colours_read(path) == {"film": [COLOURS["film"]]}
 
 
 def test_header_names_and_colours(make_film, tmp_path):
@@ -151,6 +197,16 @@ def test_a_moved_corner_is_refused(written):
     assert corner in text
     path.write_text(text.replace(corner, "(0.151,2.,0.225)"))
     with pytest.raises(ExportError):
+        check_step(path, film)
+
+
+def test_a_face_turned_inside_out_is_refused_not_repaired(written):
+    film, path = written
+    text = path.read_text()
+    turned = re.sub(r"(=ADVANCED_FACE\(.*),\.F\.\);", r"\1,.T.);", text, count=1)
+    assert turned != text
+    path.write_text(turned)
+    with pytest.raises(ExportError, match="not valid"):
         check_step(path, film)
 
 

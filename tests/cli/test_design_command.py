@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+import time
 import tomllib
 
 import numpy as np
+import psutil
 import pytest
 
 DESIGN = """
@@ -141,30 +143,65 @@ def test_what_is_wrong_with_a_sweep_is_said_before_it_starts(tmp_path, change, w
     assert not (tmp_path / "exports").exists()
 
 
-@pytest.mark.slow
-def test_workers_change_nothing_and_a_killed_one_loses_nothing(tmp_path):
-    import os
-    import signal
-    import time
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Return a folder with a sweep, and the bytes that one process makes of it."""
+    folder = tmp_path_factory.mktemp("sweep")
+    (folder / "sweep.toml").write_text(SWEEP.replace("0.02", "0.3"))
+    assert mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=folder).returncode == 0
+    return folder, content(folder / "exports" / "few-sweep")
 
-    import psutil
 
-    (tmp_path / "sweep.toml").write_text(SWEEP.replace("0.02", "0.3"))
-    assert mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path).returncode == 0
-    alone = content(tmp_path / "exports" / "few-sweep")
-
+def start_sweep(folder, out, *options):
+    """Start a sweep and return its process once the first point is on the disk."""
     code = "from mpfcad.cli import main; main()"
-    command = [sys.executable, "-c", code, "sweep", "sweep.toml", "--workers", "2", "--out", "two"]
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    points = tmp_path / ".two.points"
+    command = [sys.executable, "-c", code, "sweep", "sweep.toml", "--out", out, *options]
+    process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
+    points = folder / f".{out}.points"
     while process.poll() is None and not any(points.glob("[!.]*")):
         time.sleep(0.05)
+    return process
+
+
+@pytest.mark.slow
+def test_workers_change_nothing_and_a_killed_one_loses_nothing(alone):
+    folder, expected = alone
+    process = start_sweep(folder, "two", "--workers", "2")
     workers = [
         child
         for child in psutil.Process(process.pid).children(recursive=True)
         if "spawn_main" in " ".join(child.cmdline())
     ]
     assert workers
-    os.kill(workers[0].pid, signal.SIGKILL)
+    workers[0].kill()
     assert process.wait(timeout=300) == 0, process.stderr.read()
-    assert content(tmp_path / "two") == alone
+    assert content(folder / "two") == expected
+
+
+@pytest.mark.slow
+def test_a_scheduler_changes_nothing_and_its_killed_worker_loses_nothing(alone):
+    folder, expected = alone
+    contact = folder / "scheduler.json"
+    where = ("--scheduler-file", str(contact), "--no-dashboard")
+    started = [start_dask(folder, "scheduler", "--host", "127.0.0.1", "--port", "0", *where)]
+    worker = ("worker", "--nthreads", "1", "--no-nanny", *where)
+    started += [start_dask(folder, *worker) for _ in range(2)]
+    try:
+        while not contact.is_file():
+            assert started[0].poll() is None
+            time.sleep(0.05)
+        address = json.loads(contact.read_text())["address"]
+        process = start_sweep(folder, "cluster", "--scheduler", address)
+        assert process.poll() is None
+        started[1].kill()
+        assert process.wait(timeout=300) == 0, process.stderr.read()
+    finally:
+        for one in started:
+            one.kill()
+            one.wait()
+    assert content(folder / "cluster") == expected
+
+
+def start_dask(folder, *arguments):
+    command = [sys.executable, "-m", "dask", *arguments]
+    return subprocess.Popen(command, cwd=folder, stderr=subprocess.DEVNULL)

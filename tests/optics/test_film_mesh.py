@@ -2,7 +2,19 @@
 
 import numpy as np
 import pytest
-from harness import BARE, CONCAVE, PITCH, extruded, film_file, groove, row, write_facets
+from harness import (
+    BARE,
+    CONCAVE,
+    PITCH,
+    SECTIONS,
+    drawn,
+    extruded,
+    film_file,
+    groove,
+    row,
+    section_mesh,
+    write_facets,
+)
 
 from mpfcad.errors import InputError
 from mpfcad.optics.mesh import read_film_mesh
@@ -99,23 +111,41 @@ def test_a_doubled_facet_is_found(tmp_path, facets):
     assert "two facets" in refused(write_facets(tmp_path / "a.stl", doubled))
 
 
-def test_a_film_without_flat_underside_is_refused(tmp_path, facets):
+def test_a_film_without_flat_underside_is_read_with_all_its_facets(tmp_path, facets):
     facets[..., 2] = np.where(
         (facets[..., 2] == 0) & (np.abs(facets[..., 0] - PITCH) < 1e-6), -0.01, facets[..., 2]
     )
-    assert "underside" in refused(write_facets(tmp_path / "a.stl", facets))
+    mesh = read_film_mesh(write_facets(tmp_path / "a.stl", facets))
+    assert not mesh.underside
+    assert len(mesh.top) == 2 * 2 * 4
+    assert (mesh.vertex[mesh.top].mean(axis=1)[:, 2] < 0.02).sum() == 8
 
 
-def test_a_film_upside_down_is_refused(tmp_path, facets):
-    turned = facets * (1.0, -1.0, -1.0)
-    assert "underside" in refused(write_facets(tmp_path / "a.stl", turned))
+def test_a_film_upside_down_is_read(tmp_path, facets):
+    turned = read_film_mesh(write_facets(tmp_path / "a.stl", facets * (1.0, -1.0, -1.0)))
+    assert not turned.underside
+    assert turned.size[2] == pytest.approx(0.175, abs=1e-7)
 
 
-def test_an_overhang_is_refused(tmp_path, facets):
-    tip = (facets[..., 2] > 0.17) & (np.abs(facets[..., 0] - PITCH) < 1e-6)
-    facets[..., 0] = np.where(tip, 0.020, facets[..., 0])  # over the valley at 0.025
-    text = refused(write_facets(tmp_path / "a.stl", facets))
-    assert "overhangs" in text and "mm" in text
+@pytest.mark.parametrize("name", SECTIONS)
+def test_several_bodies_and_voids_are_read(tmp_path, name):
+    mesh = section_mesh(tmp_path, name)
+    # Each edge of the cross-section but for flat undersides and sides is a strip of two facets.
+    rings = [np.asarray(ring) for ring in SECTIONS[name]]
+    edges = sum(len(ring) for ring in rings)
+    low = min(ring[:, 1].min() for ring in rings)
+    for ring in rings:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        edges -= ((a[:, 0] == b[:, 0]) & np.isin(a[:, 0], (0, 0.1))).sum()
+        edges -= mesh.underside * ((a[:, 1] == low) & (b[:, 1] == low)).sum()
+    assert len(mesh.top) == 2 * edges
+    assert mesh.underside == ("grooves" not in name)
+
+
+def test_a_body_that_ends_on_the_side_of_the_tile_is_refused(tmp_path):
+    square = [(0.0, 0.05), (0.05, 0.0), (0.1, 0.05), (0.05, 0.1)]
+    text = refused(write_facets(tmp_path / "a.stl", drawn([square], 0.1)))
+    assert "touches its copy in the next tile at (0, 0, 0.05) mm" in text
 
 
 def test_facets_without_extent_are_left_out(tmp_path, facets):

@@ -5,17 +5,19 @@ import pytest
 from harness import (
     BARE,
     CONCAVE,
+    SECTIONS,
     crossed_mesh,
     dish_mesh,
     even_pyramids,
     film_mesh,
     groove,
-    pass_film,
     pillar_mesh,
+    rays,
+    section_mesh,
+    through,
 )
 
 from mpfcad.optics.tile import GRID, build_tile
-from mpfcad.optics.tile_table import build_tile_table
 
 SLIVERS = [groove(40.0001), groove(41.0), groove(79.999), groove(80.0), groove(0.0)]
 FILMS = {
@@ -27,43 +29,33 @@ FILMS = {
 }
 
 
-def rays(count, up, seed=1, size=(0.1, 0.1)):
-    rng = np.random.default_rng(seed)
-    k = np.sqrt(rng.random(count)) * 0.999999
-    angle = 2 * np.pi * rng.random(count)
-    out = np.empty((count, 5))
-    out[:, :2] = rng.random((count, 2)) * size
-    out[:, 2], out[:, 3] = k * np.cos(angle), k * np.sin(angle)
-    out[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
-    return out
-
-
-def through(mesh, start, up, accelerator=None, index=1.5, seed=1):
-    tiles = build_tile_table([build_tile(mesh, accelerator)])
-    out = np.empty((len(start), 4))
-    pass_film(tiles, index, up, start, seed, out)
-    return out
+def any_mesh(folder, name):
+    return film_mesh(folder, FILMS[name]) if name in FILMS else section_mesh(folder, name)
 
 
 @pytest.mark.parametrize("up", [True, False])
-@pytest.mark.parametrize("name", FILMS)
-def test_chain_and_tree_give_the_same_rays(tmp_path, name, up):
-    mesh = film_mesh(tmp_path, FILMS[name])
+@pytest.mark.parametrize("name", [*FILMS, *SECTIONS])
+def test_all_accelerators_give_the_same_rays(tmp_path, name, up):
+    mesh = any_mesh(tmp_path, name)
     start = rays(20_000, up, size=mesh.size[:2])
-    chain = through(mesh, start, up, "chain")
     tree = through(mesh, start, up, "bvh")
-    assert (chain[:, 0] != 0).all() and (tree[:, 0] != 0).all()
-    # The hit points differ in the last bits, so a ray that passes within about 1e-15 mm of a
-    # vertex may part ways; the chance for that in 20,000 rays is below 1e-7.
-    assert (chain[:, 0] == tree[:, 0]).all()
-    assert np.abs(chain - tree).max() < 1e-9
+    assert (tree[:, 0] != 0).all()
+    for accelerator in ("chain", "section") if name in FILMS else ("section",):
+        other = through(mesh, start, up, accelerator)
+        # The hit points differ in the last bits, so a ray that passes within about 1e-15 mm of a
+        # vertex may part ways; the chance for that in 20,000 rays is below 1e-7.
+        assert (other[:, 0] == tree[:, 0]).all()
+        assert np.abs(other - tree).max() < 1e-9
 
 
-@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
+EDGE_CASES = [(a, n) for n in FILMS for a in ("chain", "section", "bvh")]
+EDGE_CASES += [("section", n) for n in SECTIONS]
+
+
 @pytest.mark.parametrize("up", [True, False])
-@pytest.mark.parametrize("name", FILMS)
+@pytest.mark.parametrize(("accelerator", "name"), EDGE_CASES)
 def test_rays_at_vertices_and_along_edges_are_not_lost(tmp_path, name, up, accelerator):
-    mesh = film_mesh(tmp_path, FILMS[name])
+    mesh = any_mesh(tmp_path, name)
     vertex = np.unique(mesh.vertex[np.unique(mesh.top)][:, 0])
     x = np.concatenate([vertex, vertex, (vertex[1:] + vertex[:-1]) / 2, [-0.0, mesh.size[0]]])
     sign = 1.0 if up else -1.0
@@ -137,9 +129,10 @@ def test_the_worst_rays_give_the_same_bits_in_grid_and_tree(tmp_path, name, up):
     grid = through(mesh, start, up, "grid")
     assert np.array_equal(grid, through(mesh, start, up, "bvh"))
     # A ray that is turned exactly on an edge may start its next way beyond the other facet there,
-    # by its rounding: mostly a grazing one that comes down in the line of a valley. Only rays aimed
-    # so do; of those at random above none is lost.
-    assert (grid[:, 0] == 0).mean() < 0.03
+    # by its rounding: of those aimed so one in a hundred, more of the grazing ones that come down
+    # in the line of a valley. Of the rays at random above none is lost.
+    steep = np.abs(start[:, 4]) > 0.1
+    assert (grid[steep, 0] == 0).mean() < 0.02
 
 
 @pytest.mark.parametrize("up", [True, False])
