@@ -27,6 +27,7 @@ from mpfcad.optics.film import (
     out_of_film,
 )
 from mpfcad.optics.film_lanes import film_passages
+from mpfcad.optics.grid_lanes import grid_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES
 from mpfcad.optics.net import NET
@@ -37,7 +38,7 @@ from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.source import LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
-from mpfcad.optics.tile import CHAIN
+from mpfcad.optics.tile import CHAIN, GRID
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
@@ -85,7 +86,7 @@ def _pass_queue(scene, e, rays, wave):
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
         # Resin that scatters is followed ray by ray.
-        if tile.accelerator == CHAIN and scene.parameter[e, SCATTERING] == 0.0:
+        if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
     if scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
@@ -123,7 +124,7 @@ def _pass_one_by_one(scene, e, rays, wave):
 
 @kernel
 def _pass_film(tile, film, rays, wave):
-    """Follow rays through an extruded film as it lies in the stack."""
+    """Follow rays, eight at a time, through a film as it lies in the stack."""
     placed = film[COSINE] != 1.0 or film[FLIPPED] != 0.0
     if placed:
         for slot in rays:
@@ -132,10 +133,16 @@ def _pass_film(tile, film, rays, wave):
                 film, tile.width, wave.upward[slot] != 0, p[0], p[1], p[3], p[4], p[5]
             )
             wave.upward[slot] = 1 if up else 0
-    film_passages(
-        tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
-    )  # fmt: skip
+    if tile.accelerator == GRID:
+        grid_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.upward, wave.way, wave.rng,
+        )  # fmt: skip
+    else:
+        film_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
+        )  # fmt: skip
     if placed:
         for slot in rays:
             p = wave.place[slot]

@@ -195,6 +195,17 @@ def bits(typingctx, mask):
 
 
 @intrinsic
+def count_of(typingctx, mask):
+    """Return in how many lanes the mask holds."""
+
+    def lower(context, builder, sig, args):
+        packed = builder.bitcast(args[0], ir.IntType(LANES))
+        return builder.zext(builder.ctpop(packed), ir.IntType(64))
+
+    return types.int64(mask), lower
+
+
+@intrinsic
 def any_of(typingctx, mask):
     """Return whether the mask holds in any lane."""
 

@@ -65,7 +65,7 @@ class Scene(NamedTuple):
 
     @property
     def accelerators(self) -> str:
-        """How the films are traced, each way once: `chain`, `chain, bvh` and so on."""
+        """How the films are traced, each way once: `chain`, `chain, grid` and so on."""
         films = self.parameter[self.kind == FILM, TILE].astype(int)
         return ", ".join(dict.fromkeys(ACCELERATORS[a] for a in self.tiles.accelerator[films]))
 

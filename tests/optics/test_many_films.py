@@ -94,7 +94,7 @@ def test_films_of_one_mesh_share_its_tile(tmp_path):
     scene = build_scene([Film(mesh, 1.5), Film(mesh, 1.6, rotation=CROSSED)])
     assert len(scene.tiles.accelerator) == 1
     two = build_scene([Film(mesh, 1.5), Film(crossed_mesh(tmp_path), 1.5)])
-    assert two.accelerators == "chain, bvh"
+    assert two.accelerators == "chain, grid"
 
 
 def test_a_film_upside_down_cannot_be_bonded(tmp_path):

@@ -79,8 +79,9 @@ def test_layers_without_film_equal_the_oracle(layers):
     compare([CAVITY, *layers], 300)
 
 
-def test_a_film_that_is_no_extrusion_equals_the_oracle(tmp_path):
-    compare([Film(crossed_mesh(tmp_path), 1.5)], 250, below=1.0)
+@pytest.mark.parametrize("accelerator", ["grid", "bvh"])
+def test_a_film_that_is_no_extrusion_equals_the_oracle(tmp_path, accelerator):
+    compare([Film(crossed_mesh(tmp_path), 1.5, accelerator=accelerator)], 250, below=1.0)
 
 
 @pytest.mark.parametrize("tilt", [(0.3, 0.0), (-0.5, 0.7), (0.0, -0.95)])
