@@ -15,12 +15,13 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 #: What OCCT may not do to the file's shapes (parameters of its operator FixShape): repair them. It
-#: adds the curves that faces need in their own parameters, which a STEP file need not state.
+#: adds what a STEP file need not or cannot state: the curves that faces need in their own
+#: parameters, and edges without length where a patch shrinks to a point (FixDegenerated).
 REPAIRS = (
     *("FixFreeShell", "FixFreeFace", "FixFreeWire", "FixSameParameter", "FixShellOrientation"),
     *("FixFaceOrientation", "FixOrientation", "FixAddNaturalBound", "FixMissingSeam"),
     *("FixSmallAreaWire", "FixIntersectingWires", "FixLoopWires", "FixSplitFace", "FixReorder"),
-    *("FixSmall", "FixConnected", "FixDegenerated", "FixLacking", "FixSelfIntersection"),
+    *("FixSmall", "FixConnected", "FixLacking", "FixSelfIntersection"),
     *("FixVertexPosition", "FixVertexTolerance"),
 )
 
