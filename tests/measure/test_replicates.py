@@ -24,7 +24,7 @@ def runs(elements, source, blocks, below=0.0):
 
 
 def covered(value, error):
-    """Return how often 95 % intervals hold the mean of all runs, whose error is a 20th of theirs."""
+    """Return how often 95 % intervals hold the mean of all runs (its error: a 20th of theirs)."""
     return np.mean(np.abs(value - value.mean(axis=0)) <= 1.96 * error)
 
 
