@@ -6,7 +6,7 @@ same at any thread count. A path of a net (`net`) has its first draws from there
 
 A generator is an (8,) uint64 array `rng`: low and high word of the seed, low and high word of the
 path, the stream, the next block of draws, the second number of the last block, and whether that is
-unused. Blocks -8 … -1, modulo 2^64, are the draws from the net; until then the place of the second
+unused. Blocks -12 … -1, modulo 2^64, are the draws from the net; until then the place of the second
 number holds the net's key and, in its lowest bits, the point's index in it.
 """
 

@@ -1,11 +1,9 @@
 """Standard errors from independent nets are honest: intervals hold as often as they say."""
 
 import numpy as np
-import pytest
 from harness import CONCAVE, film_mesh
 
-from mpfcad.measure import contrast_of_harmonics, fit_harmonics
-from mpfcad.optics.element import Cavity, Film, Sheet, Slab
+from mpfcad.optics.element import Film
 from mpfcad.optics.engine import trace
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
@@ -36,22 +34,3 @@ def test_intervals_of_a_film_hold_the_truth(tmp_path):
     # Paths taken as independent would say an error more than 1.8 times as large as it is.
     assert alone.mean() > 1.8 * error.mean()
     assert covered(value, alone) > 0.998
-
-
-@pytest.mark.slow
-def test_intervals_over_a_lamp_pitch_hold_the_truth():
-    cavity = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
-    elements = [cavity, Slab(1.49, 2.0, 0.6, 0.0036, 0.8), Sheet(0.36, 1.49, 0.98)]
-    position = np.linspace(0, 1, 33)
-    value, error, _ = runs(elements, Source(EYE, 32.69 * position, 1.0, acceptance=0.017), 4)
-    assert 0.93 <= covered(value, error) <= 0.97
-
-    def contrast(luminance, its_error):
-        return contrast_of_harmonics(fit_harmonics(position, luminance, its_error), 0)
-
-    truth = contrast(value.mean(axis=0), error.mean(axis=0) / np.sqrt(RUNS)).value
-    found = [contrast(v, e) for v, e in zip(value, error, strict=True)]
-    share = np.mean([estimate.low <= truth <= estimate.high for estimate in found])
-    # 2.5 binomial sigma about 0.93 … 0.975, what the intervals hold with known errors.
-    assert 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / RUNS) <= share
-    assert share <= 0.975 + 2.5 * np.sqrt(0.975 * 0.025 / RUNS)
