@@ -37,6 +37,7 @@ def ours(path, kind, rho=None):
     from mpfcad.optics.element import Cavity, Film
     from mpfcad.optics.engine import BLOCK, trace
     from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.recorder import FLOW_ELEMENTS
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
@@ -47,8 +48,9 @@ def ours(path, kind, rho=None):
         scene = build_scene([film], below=1.0)
     else:
         # Lamps so thin and far that none is met: what the reflector absorbs of a meter's unit is
-        # (1-ρ) times its luminance, if it shone with radiance 1.
-        cavity = Cavity(1.0, 1e6, 5e5, 0.5, 1e-6, 0.0, 0.0, rho, 0.0)
+        # (1-ρ) times its luminance, if it shone with radiance 1. It is as near to the film as the
+        # peer's: in a wider gap light would forget below which groove it was.
+        cavity = Cavity(1e-3, 1e6, 5e5, 0.5, 1e-6, 0.0, 0.0, rho, 0.0)
         scene = build_scene([cavity, film])
 
     def run(n, seed):
@@ -57,7 +59,8 @@ def ours(path, kind, rho=None):
         tally = trace(scene, Source(where, place, 0.05), blocks, seed=seed)
         share, error = tally.fraction, tally.fraction_error
         if rho is not None:
-            return share[5] / (1 - rho), error[5] / (1 - rho), tally.total_paths
+            value, sigma = (v[FLOW_ELEMENTS] / (1 - rho) for v in (share, error))
+            return value, sigma, tally.total_paths
         if kind == "transmittance":
             return share[0], error[0], tally.total_paths
         error = np.sqrt((tally.radiance_error**2).mean() / len(place))
@@ -120,9 +123,10 @@ def film_rows(folder, quick, present):
         if not present["raysect"]:
             yield entry(f"film, {kind}, beside raysect: absent", None, "k/s")
             continue
-        peer = raysect_film(path, 1.5, lambertian)
-        counts = (scale * 1_000_000, scale * 10_000)
-        yield from race(f"film, {kind}, beside raysect", ours(path, kind), peer, counts, 2, 12)
+        peer = raysect_film(cell, 1.5, lambertian)
+        counts = (scale * 1_000_000, scale * 40_000)
+        name = f"film, {kind}, beside raysect (cell)"
+        yield from race(name, ours(path, kind), peer, counts, 2, 12)
     name = "film over a 95 % white reflector beside Mitsuba (mesh)"
     if not present["mitsuba"]:
         yield entry(f"{name}: absent", None, "k/s")
@@ -186,7 +190,7 @@ def stack_rows(folder, quick, present):
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.source import EYE, Source
 
-    path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES * 5), length=200.0)
+    path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES * 2 + 40), length=68.0)
     stack = read_stack(STACK)
     elements = stack.elements(read_film_mesh(path))
     scene = build_scene(elements)

@@ -120,11 +120,7 @@ SECTIONS = {
     "rod in an undercut over a void": [_UNDERCUT, _ROD, _circle(0.03, 0.08, 0.02, 40)[::-1]],
     "sheet under a film": [_SHEET, _PRISM],
     "grooves below": [_BELOW],
-    "rods under grooves": [
-        _BELOW,
-        _circle(0.062, -0.05, 0.035, 50),
-        _circle(0.017, -0.09, 0.015, 33),
-    ],
+    "rods under grooves": [_BELOW, _circle(0.05, -0.05, 0.04, 50), _circle(0.02, -0.12, 0.017, 33)],
 }
 
 

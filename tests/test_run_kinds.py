@@ -20,7 +20,10 @@ KINDS = {
     "measured": ('measured_file = "trace.csv"', "filled"),
     "pyramid": ('cell = "pyramid"', "filled"),
     "paraboloid": ('cell = "paraboloid"', "ideal"),
+    "spots": ("", "filled"),
 }
+MAPS = {"spots": 'file = "field.npz"\nextent = "panel"\n[mask]\nmin_aperture_um = 9.0'}
+UNIFORM = "curvature_per_mm = 58.0"
 
 
 @pytest.fixture
@@ -32,12 +35,17 @@ def job_file(tmp_path, monkeypatch):
     table = np.stack([x, 0.012 + 20 * local**2 + 1e-2 * x], axis=1) * 1000
     np.savetxt(tmp_path / "trace.csv", table, "%.6f", ",", header="x_um,z_um", comments="")
 
+    x, y = np.linspace(0, 12, 7), np.linspace(0, 10, 401)
+    curvature = 58 + 0.5 * np.cos(40 * np.pi * y)[:, None] * np.ones(7)
+    names = ("position_across_mm", "position_along_mm", "curvature_per_mm")
+    np.savez(tmp_path / "field.npz", **dict(zip(names, (x, y, curvature), strict=True)))
+
     def write(kind):
         film, profile = KINDS[kind]
         path = tmp_path / "job.toml"
         made = f'profile = "{profile}"\n{film}\n'
         path.write_text(
-            f'name = "kind"\n[map]\ncurvature_per_mm = 58.0\n[film]\n{made}'
+            f'name = "kind"\n[map]\n{MAPS.get(kind, UNIFORM)}\n[film]\n{made}'
             '[stack]\nfile = "small.toml"\n[cad]\nlength_mm = 0.05\nangle_tolerance_deg = 4.0\n'
         )
         return path
@@ -57,8 +65,10 @@ def test_run_and_verify(job_file, tmp_path, kind):
     assert (record["mask"] is None) == (kind in ("pyramid", "paraboloid"))
     # From the export alone: neither job nor trace is read again.
     (tmp_path / "trace.csv").unlink()
+    (tmp_path / "field.npz").unlink()
     assert verify_export(out, threads=1) == record
     assert json.loads((out / "verification.json").read_text()) == record
     page = (out / "report.html").read_text()
     words = {"rounded": "tip radius 1.5 µm, valley radius 1 µm", "measured": "measured profile"}
+    words["spots"] = "varies across and along the grooves"
     assert words.get(kind, "A section through the cells' tips") in page

@@ -5,9 +5,9 @@
 reads such a file back with another library than wrote it and raises `ExportError` when it is not
 the film; `check_agreement` compares STEP and STL with each other. `section_*` do the same for any
 cross-section of exact pieces (imperfect films, and moulds with `mould`, `turning` and `dxf`),
-`cell_*` for films of cells. Lengths are mm, x across the
-grooves, y along them, z up, one corner at the origin. OCCT, trimesh, manifold3d and lib3mf are
-loaded only when used.
+`cell_*` for films of cells, `field_*` for grooves whose curvature varies along them; `height` maps
+the surface. Lengths are mm, x across the grooves, y along them, z up, one corner at the origin.
+OCCT, trimesh, manifold3d and lib3mf are loaded only when used.
 """
 
 from mpfcad.cad.agreement import Agreement, check_agreement

@@ -93,7 +93,7 @@ def _to_drawn(points: NDArray[np.float64], step: StepText, axis: int) -> NDArray
         anchor, normal = (
             part[walls][:, [axis, 2]] for part in (step.plane_point, step.plane_normal)
         )
-        best = np.minimum(best, _to_walls(place, anchor, normal))
+        best = np.minimum(best, to_walls(place, anchor, normal))
     along = np.abs(step.normal[:, 1 - axis]) > 1 - 1e-9
     for up in (True, False):
         chosen = along & ((step.curvature > 0) == up)
@@ -121,7 +121,7 @@ def _neighbours(
     return np.clip(after - 1, 0, last), np.minimum(after, last)
 
 
-def _to_walls(
+def to_walls(
     points: NDArray[np.float64], anchor: NDArray[np.float64], normal: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the distance from the walls that start nearest to each point, to its left and right.

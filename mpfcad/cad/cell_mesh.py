@@ -39,7 +39,7 @@ def build_cell_mesh(film: CellFilm, angle_tolerance: float) -> Mesh:
             "allow a wider angle or take fewer cells"
         )
     vertices, top = _pyramids(film, steps) if pyramid else _dishes(film, steps)
-    return _close(film, vertices, top)
+    return close_top(film.size, vertices, _rim(film, vertices), top)
 
 
 def _profile_steps(film: CellFilm, angle_tolerance: float) -> NDArray[np.float64]:
@@ -123,13 +123,20 @@ def _dishes(
     return np.column_stack([x.ravel(), y.ravel(), z.ravel()]), top
 
 
-def _close(film: CellFilm, vertices: NDArray[np.float64], top: NDArray[np.int64]) -> Mesh:
-    """Return the mesh with four upright sides, and an underside fanned from its middle."""
-    rim = _rim(film, vertices)
+def close_top(
+    size: tuple[float, float],
+    vertices: NDArray[np.floating],
+    rim: NDArray[np.int64],
+    top: NDArray[np.int64],
+) -> Mesh:
+    """Return a top with four upright sides, and an underside at z = 0 fanned from its middle.
+
+    `rim` is the top's outermost vertices, anticlockwise from above; `size` [mm] starts at 0, 0.
+    """
     count = len(rim)
     start = len(vertices)
     below = vertices[rim] * np.array([1.0, 1.0, 0.0])
-    centre = np.array([[film.size[0] / 2, film.size[1] / 2, 0.0]])
+    centre = np.array([[size[0] / 2, size[1] / 2, 0.0]])
     foot = start + np.arange(count)
     ahead, next_foot = np.roll(rim, -1), np.roll(foot, -1)
     side = np.concatenate(

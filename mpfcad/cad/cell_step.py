@@ -8,9 +8,7 @@ import math
 from pathlib import Path
 
 from mpfcad.cad.outline import SOLID_SLIVER
-from mpfcad.cad.section_step import FILM_COLOUR
-from mpfcad.cad.step_file import StepFile, real
-from mpfcad.cad.step_product import SCHEMA, Products
+from mpfcad.cad.patch_solid import PatchSolid, Place
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm
 
@@ -18,72 +16,6 @@ from mpfcad.film import CellFilm
 MOST_CELLS = 20_000
 #: A profile flatter than this [mm] is no surface with an edge between its cells.
 FLAT = 1e-6
-
-_Place = tuple[float, float, float]
-
-
-class _Solid:
-    """Corners, edges and faces; each is made once."""
-
-    def __init__(self) -> None:
-        self.file = StepFile()
-        self.products = Products(self.file)
-        self.corners: dict[_Place, str] = {}
-        self.edges: dict[tuple[_Place, _Place], str] = {}
-        self.uses: dict[tuple[str, bool], str] = {}
-        self.faces: list[str] = []
-
-    def corner(self, place: _Place) -> str:
-        """Return the corner at a place [mm]."""
-        if place not in self.corners:
-            point = self.file.point(*place)
-            self.corners[place] = self.file.add(f"VERTEX_POINT('',{point})")
-        return self.corners[place]
-
-    def straight(self, start: _Place, end: _Place) -> str:
-        """Return the straight line from one place towards another."""
-        span = [b - a for a, b in zip(start, end, strict=True)]
-        size = math.sqrt(sum(part * part for part in span))
-        return self.file.line(
-            self.file.point(*start), self.file.direction(*(part / size for part in span))
-        )
-
-    def bowl(self, bottom: _Place, along: tuple[float, float], curvature: float) -> str:
-        """Return the upward parabola with this lowest point, drawn along a horizontal direction."""
-        file, (x, y) = self.file, along
-        # Its axes: up, along; their cross product is the plane's normal.
-        axes = file.axes(file.point(*bottom), file.direction(-y, x, 0), file.direction(0, 0, 1))
-        return file.share("PARABOLA", axes, real(1 / (2 * curvature)))
-
-    def edge(self, start: _Place, end: _Place, curve: str | None = None) -> tuple[str, bool]:
-        """Return the edge between two places and whether it runs from start to end."""
-        if (end, start) in self.edges:
-            return self.edges[end, start], False
-        if (start, end) not in self.edges:
-            curve = curve or self.straight(start, end)
-            ends = f"{self.corner(start)},{self.corner(end)}"
-            self.edges[start, end] = self.file.add(f"EDGE_CURVE('',{ends},{curve},.T.)")
-        return self.edges[start, end], True
-
-    def face(self, places: list[_Place], surface: str, *, outward: bool = True) -> None:
-        """Add the face with these corners, anticlockwise from outside; new edges are straight."""
-        loop = []
-        for start, end in zip(places, places[1:] + places[:1], strict=True):
-            use = self.edge(start, end)
-            if use not in self.uses:
-                sense = ".T." if use[1] else ".F."
-                self.uses[use] = self.file.add(f"ORIENTED_EDGE('',*,*,{use[0]},{sense})")
-            loop.append(self.uses[use])
-        ring = self.file.add(f"EDGE_LOOP('',({','.join(loop)}))")
-        bound = self.file.add(f"FACE_OUTER_BOUND('',{ring},.T.)")
-        sense = ".T." if outward else ".F."
-        self.faces.append(self.file.add(f"ADVANCED_FACE('',({bound}),{surface},{sense})"))
-
-    def flat(self, places: list[_Place], normal: _Place, across: _Place) -> None:
-        """Add a plane face."""
-        file = self.file
-        plane = file.plane(file.point(*places[0]), file.direction(*normal), file.direction(*across))
-        self.face(places, plane)
 
 
 def write_cell_step(film: CellFilm, path: Path, *, name: str = "film") -> None:
@@ -101,22 +33,16 @@ def write_cell_step(film: CellFilm, path: Path, *, name: str = "film") -> None:
         raise InputError(
             f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: must have cells"
         )
-    path = Path(path)
-    solid = _Solid()
+    solid = PatchSolid()
     draw = _draw_pyramid if film.shape == "pyramid" else _draw_dish
     for i in range(film.count[0]):
         for j in range(film.count[1]):
             draw(solid, film, i, j)
     _draw_block(solid, film)
-    file = solid.file
-    shell = file.add(f"CLOSED_SHELL('',({','.join(solid.faces)}))")
-    body = file.add(f"MANIFOLD_SOLID_BREP('film',{shell})")
-    parts = {"film": solid.products.part("film", [body], FILM_COLOUR)}
-    solid.products.assembly(name, parts)
-    file.write(path, name, SCHEMA)
+    solid.write(path, name)
 
 
-def _draw_pyramid(solid: _Solid, film: CellFilm, i: int, j: int) -> None:
+def _draw_pyramid(solid: PatchSolid, film: CellFilm, i: int, j: int) -> None:
     """Add the four sides of a pyramid: a curved part each, and a plane one where it is bare."""
     pitch, w = film.groove.pitch, film.groove.half_width
     reach, low = _bare_ring(film)
@@ -162,7 +88,7 @@ def _bare_ring(film: CellFilm) -> tuple[float, float]:
     return (w if w - reach < SOLID_SLIVER else reach), film.lowest
 
 
-def _valley(solid: _Solid, film: CellFilm, at: _Place, side: int) -> str:
+def _valley(solid: PatchSolid, film: CellFilm, at: Place, side: int) -> str:
     """Return the parabola drawn along the valley at a side of a cell, its normal upward."""
     file = solid.file
     # Sides 0 and 2 have their valley along x: the profile runs along y, and is drawn along -x.
@@ -173,7 +99,7 @@ def _valley(solid: _Solid, film: CellFilm, at: _Place, side: int) -> str:
     return file.share("SURFACE_OF_LINEAR_EXTRUSION", curve, file.vector(along))
 
 
-def _draw_dish(solid: _Solid, film: CellFilm, i: int, j: int) -> None:
+def _draw_dish(solid: PatchSolid, film: CellFilm, i: int, j: int) -> None:
     """Add one dish: a biquadratic patch between four parabolas."""
     pitch, w, top = film.groove.pitch, film.groove.half_width, film.thickness
     drop = film.curvature / 2 * w**2
@@ -202,7 +128,7 @@ def _draw_dish(solid: _Solid, film: CellFilm, i: int, j: int) -> None:
     solid.face(corner, patch)
 
 
-def _draw_block(solid: _Solid, film: CellFilm) -> None:
+def _draw_block(solid: PatchSolid, film: CellFilm) -> None:
     """Add underside and sides."""
     (width, length), (nx, ny) = film.size, film.count
     pitch = film.groove.pitch

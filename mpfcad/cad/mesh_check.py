@@ -36,7 +36,8 @@ class MeshCheck:
         number of facets
     curvature
         (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls (of
-        cells: one value); None of a measured surface
+        cells: one value; of grooves that change along: (n, k) at k places); None of a measured
+        surface
     secant_error_max
         the largest of the angles that `secant_error_rms` is of; None where that is
     tip_error_max

@@ -54,7 +54,8 @@ def _facets(mesh: Mesh) -> np.ndarray:
         a, b, c = np.moveaxis(facets["corner"][part].astype(np.float64), (1, 2), (0, 1))
         (px, py, pz), (qx, qy, qz) = b - a, c - a
         normal = np.stack([py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx], axis=1)
-        # "+ 0.0" turns -0 into 0.
+        # "+ 0.0" turns -0 into 0; a facet without area has no normal, which is written as 0.
         size = np.sqrt(np.einsum("ij,ij->i", normal, normal))
+        size[size == 0] = 1.0
         facets["normal"][part] = normal / size[:, None] + 0.0
     return facets

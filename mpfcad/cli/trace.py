@@ -31,6 +31,10 @@ def command(
         Path | None,
         typer.Option("--prism", metavar="FILE.stl", help="The film without scattering resin."),
     ] = None,
+    repair: Annotated[
+        bool,
+        typer.Option("--repair", help="Repair a mesh that is no solid into FILE-repaired.stl."),
+    ] = False,
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
     threads: Threads = None,
@@ -42,7 +46,8 @@ def command(
 
     with Terminal() as terminal:
         figures = trace_mesh(
-            mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal, prism
-        )
+            mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal, prism,
+            repair,
+        )  # fmt: skip
     print_trace(figures, as_json=json)
     return 0

@@ -6,6 +6,7 @@ traced in full; `search_by_inversion` is the published method. Maps are cosine s
 `Constraint`.
 """
 
+from mpfcad.design.bound import BOUND_GRID, bound_contrast
 from mpfcad.design.cosine import ROWS, Constraint, cosine_basis, row_position, series_rows
 from mpfcad.design.estimate import estimate_operators
 from mpfcad.design.grid import Grid
@@ -16,6 +17,7 @@ from mpfcad.design.search import Iteration, Traced, best_of, correction_of, sear
 from mpfcad.design.thesis import search_by_inversion
 
 __all__ = [
+    "BOUND_GRID",
     "ROWS",
     "Constraint",
     "Correction",
@@ -28,6 +30,7 @@ __all__ = [
     "Response",
     "Traced",
     "best_of",
+    "bound_contrast",
     "correction_of",
     "cosine_basis",
     "estimate_operators",

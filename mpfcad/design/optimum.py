@@ -7,7 +7,7 @@ shifts of the film that have to be borne. Steps that make it worse by the model 
 optimization of continuous processing systems", 1961).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,16 +45,21 @@ class Goal:
 class Correction:
     """What full traces say of the model: L = scale · (model + mean · Σ relative_k cos 2πku).
 
+    For a shifted film, Σ odd_k sin 2πku besides.
+
     Attributes
     ----------
     scale
         of the mean luminance
     relative
         (h,) float64, of harmonics 1 … h, in parts of the mean
+    odd
+        (h,) float64, likewise of the sines that a shift brings
     """
 
     scale: float
     relative: NDArray[np.float64]
+    odd: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def none(cls) -> "Correction":
@@ -62,11 +67,18 @@ class Correction:
         return cls(1.0, np.zeros(4))
 
     def apply(
-        self, position: NDArray[np.float64], luminance: NDArray[np.float64]
+        self,
+        position: NDArray[np.float64],
+        luminance: NDArray[np.float64],
+        *,
+        shifted: bool = False,
     ) -> NDArray[np.float64]:
-        """Return the corrected luminance at positions in pitches."""
-        basis = cosine_basis(position, len(self.relative))[:, 1:]
-        return self.scale * (luminance + luminance.mean() * (basis @ self.relative))
+        """Return the corrected luminance at positions in pitches, of a film in place or shifted."""
+        error = cosine_basis(position, len(self.relative))[:, 1:] @ self.relative
+        if shifted:
+            angle = 2 * np.pi * np.outer(position, np.arange(1, len(self.odd) + 1))
+            error += np.sin(angle) @ self.odd
+        return self.scale * (luminance + luminance.mean() * error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +117,8 @@ def predict(
     curves = []
     for shift in _shifts(registration_pitch):
         luminance = response.luminance(map_on_cells(series, response, shift))
-        curves.append(correction.apply(response.grid.centre, luminance))
+        centre = response.grid.centre
+        curves.append(correction.apply(centre, luminance, shifted=shift != 0))
     worst = max(contrast_of(curve) for curve in curves)
     return Prediction(worst, float(curves[0].mean()), curves[0])
 
@@ -160,7 +173,8 @@ def _linear(
     luminance, jacobian = response.jacobian(curvature, symmetric=shift == 0)
     slope = jacobian @ cosine_basis(response.grid.centre - shift, len(series) - 1)
     mean = luminance.mean()
-    relative = correction.apply(response.grid.centre, luminance) / (correction.scale * mean)
+    corrected = correction.apply(response.grid.centre, luminance, shifted=shift != 0)
+    relative = corrected / (correction.scale * mean)
     gain = slope.mean(axis=0) / mean
     model = luminance / mean
     return relative, slope / mean - np.outer(model, gain), gain

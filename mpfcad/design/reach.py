@@ -1,8 +1,8 @@
-"""What any map reaches: the extremes of the luminance between the lamps over that above a lamp.
+"""What maps reach: the extremes of the luminance between the lamps over that above a lamp.
 
-Where even the largest ratio L(0.5)/L(0) is below (1 - c)/(1 + c), no map has a contrast of c or
-less: the ranges of luminance above and between the lamps do not overlap. The maps here are free in
-every cell within the range of C; they need not be smooth.
+Found by a local search in the model; a bound over all maps is that of `bound`. Where even the
+largest ratio L(0.5)/L(0) is below 1, the ranges of luminance above and between the lamps do not
+overlap. The maps here are free in every cell within the range of C; they need not be smooth.
 """
 
 from dataclasses import dataclass
@@ -28,26 +28,21 @@ class Reach:
         smallest and largest ratio
     rows
         C [1/mm] at the map's rows that gives each
-    contrast
-        what every map has at least: (1 - largest)/(1 + largest), 0 when ratios on both sides of 1
-        are reached
     """
 
     ratio: tuple[float, float]
     rows: tuple[NDArray[np.float64], NDArray[np.float64]]
 
     @property
-    def contrast(self) -> float:
-        """Contrast [-] that no map goes below."""
-        low, high = self.ratio
-        bound = max(1 / high if high > 0 else np.inf, low, 1.0)
-        return float((bound - 1) / (bound + 1))
+    def overlaps(self) -> bool:
+        """Whether maps on both sides of L(0.5) = L(0) are reached."""
+        return self.ratio[0] <= 1 <= self.ratio[1]
 
 
 def find_reach(
     response: Response, correction: Correction, curvature_min: float, curvature_max: float
 ) -> Reach:
-    """Return the extremes over all maps with C in the given range [1/mm].
+    """Return the extremes that a search finds over the maps with C in the given range [1/mm].
 
     From the uniform film of the range's middle by steps along the derivative's sign, each halved
     until it helps.

@@ -78,7 +78,7 @@ class Response:
         )
         return spline, spline.derivative()
 
-    def _films(self, curvature: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
+    def films(self, curvature: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
         """Return F or dF/dC of each cell, (cells, 2d+1, 2d)."""
         node = self.operators.node
         weight = self._cardinal[order](np.clip(curvature, node[0], node[-1]))
@@ -119,14 +119,14 @@ class Response:
         return v
 
     @cached_property
-    def _entry(self) -> NDArray[np.float64]:
+    def entry(self) -> NDArray[np.float64]:
         """Share of the meter's rays by the film's rows of entry, (2d+1,)."""
         return np.concatenate([np.zeros(self.grid.directions), self.operators.meter])
 
     def luminance(self, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the luminance [cd/m²] over each cell, (cells,), of curvatures [1/mm], (cells,)."""
-        film = self._films(curvature)
-        raw = np.einsum("i,xij,xj->x", self._entry, film, self._after(self._solve(film)))
+        film = self.films(curvature)
+        raw = np.einsum("i,xij,xj->x", self.entry, film, self._after(self._solve(film)))
         return self.smooth @ raw
 
     def jacobian(
@@ -152,12 +152,12 @@ class Response:
 
         That is (cells,) and, for weights (m, cells), (m, cells) float64, as in `jacobian`.
         """
-        film, slope = self._films(curvature), self._films(curvature, 1)
+        film, slope = self.films(curvature), self.films(curvature, 1)
         after = self._after(self._solve(film))
-        luminance = np.einsum("i,xij,xj->x", self._entry, film, after)
+        luminance = np.einsum("i,xij,xj->x", self.entry, film, after)
         # What a change of F in each cell adds to what is collected there, by row of entry.
         change = np.einsum("xij,xj->xi", slope, after)
-        direct = change @ self._entry
+        direct = change @ self.entry
         rows = np.empty((len(weight), self.grid.cells))
         for row, part in zip(rows, weight, strict=True):
             importance = self._importance(film, part)
@@ -184,7 +184,7 @@ class Response:
             leaving = np.einsum("xij,xi->xj", inner, self._by_cell(state))
             return self._transposed @ self._by_side(leaving)
 
-        first = weight[:, None] * np.einsum("i,xij->xj", self._entry, film)
+        first = weight[:, None] * np.einsum("i,xij->xj", self.entry, film)
         right = self._transposed @ self._by_side(first)
         matrix = LinearOperator((size, size), matvec=lambda p: p - through(p), dtype=float)
         p, failed = gmres(matrix, right, rtol=1e-6, restart=60, maxiter=20)

@@ -7,13 +7,12 @@ optimization", 1994).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.design.cosine import Constraint, cosine_basis, series_rows
+from mpfcad.design.cosine import Constraint, series_rows
 from mpfcad.design.optimum import Correction, Goal, find_optimum, map_on_cells, predict
 from mpfcad.design.response import Response
 
@@ -86,6 +85,8 @@ class Iteration:
         by the model as corrected before the trace; None without a model
     traced
         what the trace said
+    shifted
+        what that of the film shifted against the lamps said, if a shift is to be borne
     """
 
     label: str
@@ -94,22 +95,22 @@ class Iteration:
     predicted_contrast: float | None
     predicted_mean: float | None
     traced: Traced
+    shifted: Traced | None = None
 
-    def document(self) -> dict[str, Any]:
-        """Return it as plain JSON values."""
-        return asdict(self)
+    @property
+    def worst(self) -> Traced:
+        """The trace with the larger upper end of the contrast, in place or shifted."""
+        both = [self.traced] if self.shifted is None else [self.traced, self.shifted]
+        return max(both, key=lambda traced: traced.contrast_high)
 
-    @classmethod
-    def restore(cls, document: dict[str, Any]) -> "Iteration":
-        """Return what `document` describes."""
-        traced = {**document["traced"]}
-        traced["coefficient"] = tuple(traced["coefficient"])
-        parts = {key: tuple(document[key]) for key in ("rows", "series")}
-        return cls(**{**document, **parts, "traced": Traced(**traced)})
+    @property
+    def paths(self) -> int:
+        """Number of paths traced for it."""
+        return self.traced.paths + (self.shifted.paths if self.shifted else 0)
 
 
-#: Traces rows of C [1/mm] under a label, as the given number of the search.
-TraceRows = Callable[[NDArray[np.float64], str, int], Traced]
+#: Traces rows of C [1/mm] under a label, as the given number of the search, shifted by so many mm.
+TraceRows = Callable[[NDArray[np.float64], str, int, float], Traced]
 
 
 def search_by_response(
@@ -132,13 +133,14 @@ def search_by_response(
     middle = (constraint.curvature_min + constraint.curvature_max) / 2
     series = np.append(middle, np.zeros(constraint.harmonics))
     for number in range(iterations):
-        correction = correction_of(done, response)
+        correction = correction_of(done, response, goal.registration / pitch)
         series = find_optimum(series, response, correction, constraint, goal, pitch)
         shift = goal.registration / pitch
         prediction = predict(series, response, correction, shift)
         rows = finish(series_rows(series)[1])
         label = f"iteration {number + 1}"
-        traced = trace(rows, label, number)
+        traced = trace(rows, label, number, 0.0)
+        shifted = trace(rows, label, number, goal.registration) if goal.registration else None
         done.append(
             Iteration(
                 label,
@@ -147,34 +149,55 @@ def search_by_response(
                 prediction.contrast,
                 prediction.mean,
                 traced,
+                shifted,
             )
         )
-        if traced.contrast_high <= contrast_target:
+        if done[-1].worst.contrast_high <= contrast_target:
             break
     return done
 
 
-def correction_of(done: Sequence[Iteration], response: Response) -> Correction:
-    """Return what the traces so far say of the model, each weighted by its paths."""
+def correction_of(
+    done: Sequence[Iteration], response: Response, registration_pitch: float = 0.0
+) -> Correction:
+    """Return what the traces so far say of the model, each weighted by its paths.
+
+    `registration_pitch`: the shift of the shifted ones, left out where it is 0; they alone say
+    something of the sines.
+    """
     if not done:
         return Correction.none()
-    weight = np.array([float(one.traced.paths) for one in done])
-    scale, relative = [], []
-    basis = cosine_basis(response.grid.centre, _CORRECTED)[:, 1:]
-    for one in done:
-        luminance = response.luminance(map_on_cells(np.array(one.series), response))
-        mean = luminance.mean()
-        scale.append(one.traced.mean / mean)
-        relative.append(one.traced.cosines - 2 * (luminance / mean) @ basis / len(basis))
-    weight /= weight.sum()
-    return Correction(float(weight @ scale), weight @ np.array(relative))
+    found = [(one, one.traced, 0.0) for one in done]
+    found += [
+        (one, one.shifted, registration_pitch) for one in done if one.shifted and registration_pitch
+    ]
+    weight = np.array([float(traced.paths) for _, traced, _ in found])
+    error = np.array([_model_error(*one, response) for one in found])
+    moved = np.array([shift != 0 for _, _, shift in found])
+    scale, *relative = np.average(error[:, : _CORRECTED + 1], axis=0, weights=weight)
+    odd = np.zeros(_CORRECTED)
+    if moved.any():
+        odd = np.average(error[moved, -_CORRECTED:], axis=0, weights=weight[moved])
+    return Correction(float(scale), np.array(relative), odd)
+
+
+def _model_error(
+    one: Iteration, traced: Traced, shift: float, response: Response
+) -> NDArray[np.float64]:
+    """Return a trace's mean over the model's, then what its cosines and its sines exceed by."""
+    luminance = response.luminance(map_on_cells(np.array(one.series), response, shift))
+    mean = luminance.mean()
+    angle = 2 * np.pi * np.outer(response.grid.centre, np.arange(1, _CORRECTED + 1))
+    model = 2 * (luminance / mean) @ np.hstack([np.cos(angle), np.sin(angle)]) / len(angle)
+    found = np.concatenate([traced.cosines, traced.sines])
+    return np.append(traced.mean / mean, found - model)
 
 
 def best_of(done: Sequence[Iteration], goal: Goal) -> Iteration:
-    """Return the traced map that serves the goal best, by the upper end of its contrast."""
+    """Return the traced map that serves the goal best, by the upper end of its worst contrast."""
 
     def merit(one: Iteration) -> float:
-        contrast = max(one.traced.contrast_high, goal.contrast_floor)
+        contrast = max(one.worst.contrast_high, goal.contrast_floor)
         return contrast - goal.luminance_weight * float(np.log(one.traced.mean))
 
     return min(done, key=merit)

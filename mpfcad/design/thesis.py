@@ -34,7 +34,7 @@ def search_by_inversion(
     done: list[Iteration] = []
 
     def make(rows: NDArray[np.float64], series: NDArray[np.float64], label: str) -> Traced:
-        traced = trace(rows, label, len(done))
+        traced = trace(rows, label, len(done), 0.0)
         curvature, coefficient = (tuple(map(float, part)) for part in (rows, series))
         done.append(Iteration(label, curvature, coefficient, None, None, traced))
         return traced

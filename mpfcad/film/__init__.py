@@ -3,17 +3,22 @@
 `Groove` knows the bare V and its resin; `PrismFilm` is a row of them with one curvature each;
 `MadeFilm` is one rounded or measured, `Section` the outline of it, or of a mould, as exact pieces;
 `CurvatureMap` holds what the user wants and lays it onto the grooves; `CurvatureField` and
-`FieldFilm` are the same for a curvature that varies along the grooves too; `Process` ties the
-mask's aperture ratio to the fill fraction and so to the curvature. The `*_file` modules read and
-write; `fit_stylus_trace` finds the curvature of a printed groove and `write_process` calibrates
-from it.
+`FieldFilm` are the same for a curvature that varies along the grooves too, `FieldPiece` a window of
+it; `Process` ties the mask's aperture ratio to the fill fraction and so to the curvature. The
+`*_file` modules read and write; `fit_stylus_trace` finds the curvature of a printed groove and
+`write_process` calibrates from it.
 """
 
 from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
 from mpfcad.film.field import CurvatureField, FieldFilm
-from mpfcad.film.field_file import is_field_file, read_curvature_field
+from mpfcad.film.field_file import (
+    is_field_file,
+    read_curvature_field,
+    write_curvature_field,
+)
+from mpfcad.film.field_piece import FieldPiece, cut_piece
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
@@ -35,6 +40,7 @@ __all__ = [
     "CurvatureMap",
     "Extent",
     "FieldFilm",
+    "FieldPiece",
     "Groove",
     "Imperfection",
     "Interval",
@@ -51,6 +57,7 @@ __all__ = [
     "check_aperture_ratio",
     "check_curvature",
     "check_printable",
+    "cut_piece",
     "fit_stylus_trace",
     "groove_ranges",
     "is_field_file",
@@ -58,6 +65,7 @@ __all__ = [
     "read_curvature_map",
     "read_process",
     "read_stylus_trace",
+    "write_curvature_field",
     "write_curvature_map",
     "write_process",
 ]

@@ -70,6 +70,12 @@ def read_curvature_field(
     return CurvatureField(across, along, curvature)
 
 
+def write_curvature_field(path: Path, field: CurvatureField) -> None:
+    """Write a field so that it reads back bit for bit; same field, same bytes."""
+    arrays = (field.across, field.along, field.curvature)
+    np.savez(path, **dict(zip(FIELD_ARRAYS, arrays, strict=True)))
+
+
 def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: float) -> None:
     """Refuse positions that do not increase or do not cover 0 … end [mm]."""
     if len(x) < 2:

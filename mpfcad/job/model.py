@@ -243,13 +243,25 @@ class MaskTable(_Table):
 
 
 class CadTable(_Table):
-    """`[cad]`: extent and bodies of the CAD files, and the facets' angle tolerance."""
+    """`[cad]`: extent and bodies of the CAD files, the facets' angle, the height map's points."""
 
     extent: Literal["pitch", "panel"] = "pitch"
     bodies: Literal["separate", "fused"] = "separate"
     stl: Literal["whole", "tiles"] = "whole"
     length_mm: Annotated[Positive, Field(le=2000)] = 2.0
     angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] = 0.5
+    width_mm: Annotated[Positive, Field(le=2000)] | None = None
+    start_across_mm: Annotated[float, Field(ge=0, le=2000)] | None = None
+    start_along_mm: Annotated[float, Field(ge=0, le=2000)] | None = None
+    sample_across_um: Annotated[Positive, Field(le=10_000)] | None = None
+    sample_along_um: Annotated[Positive, Field(le=2_000_000)] | None = None
+
+    #: The fields that cut a window out of a map that varies along the grooves too.
+    WINDOW: ClassVar[tuple[str, ...]] = ("width_mm", "start_across_mm", "start_along_mm")
+
+    def inside(self, field: str) -> float | None:
+        """Return an optional length [mm]; None where it is not given."""
+        return None if getattr(self, field) is None else self._inside(field)
 
     @property
     def length(self) -> float:

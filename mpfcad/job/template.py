@@ -54,6 +54,11 @@ extent = "pitch"                # one lamp pitch, or "panel"
 length_mm = 2.0                 # along the grooves, when extent = "pitch"
 angle_tolerance_deg = 0.5       # of the facets of film.stl
 bodies = "separate"             # film.step: prism and resin apart, or "fused" into one body
+# width_mm = 5.0                # of a map C(x, y) only: a window, its lower left corner at
+# start_across_mm = 100.0       # the tip nearest to this place on the panel
+# start_along_mm = 200.0
+# sample_across_um = 2.5        # `mpfcad cad --format tif,dat`: points of the height map
+# sample_along_um = 50.0
 stl = "whole"                   # `mpfcad cad`: one film.stl, or "tiles" of one lamp pitch each
 
 [stack]

@@ -200,7 +200,7 @@ def _pinched(vertex: NDArray, facet: NDArray[np.int64]) -> Contact | None:
     links = np.stack(
         [np.r_[corner.ravel()[one], after[one]], np.r_[after[other], corner.ravel()[other]]]
     )
-    _, fan = _joined(links, facet.size)
+    _, fan = joined(links, facet.size)
     flat = facet.ravel()
     first = np.full(len(vertex), -1)
     first[flat] = fan
@@ -208,7 +208,8 @@ def _pinched(vertex: NDArray, facet: NDArray[np.int64]) -> Contact | None:
     return ("touches itself", vertex[flat[torn[0]]]) if len(torn) else None
 
 
-def _joined(links: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32]]:
+def joined(links: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32]]:
+    """Return how many parts pairs (2, n) of numbers below `count` leave, and the part of each."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -218,31 +219,43 @@ def _joined(links: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32
 
 def _inverted_body(vertex: NDArray, facet: NDArray[np.int64]) -> Contact | None:
     """Return a place on a body that is oriented the wrong way for what it lies in."""
+    _, part = joined(np.stack([facet[:, :2].ravel(), facet[:, 1:].ravel()]), len(vertex))
+    place, volume, depth, _ = nesting(vertex, facet, part[facet[:, 0]])
+    wrong = np.flatnonzero(depth != (volume < 0))
+    return ("a body is inverted", place[wrong[0]]) if len(wrong) else None
+
+
+def nesting(
+    vertex: NDArray, facet: NDArray[np.int64], part: NDArray[np.integer]
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Return of each part of a mesh a place on it, its volume, and how deep in others it lies.
+
+    part: (n,) of each facet. The depth counts others' facets above the place by their sense, or,
+    what comes last, whether their number is odd.
+    """
     import shapely
 
-    _, part = _joined(np.stack([facet[:, :2].ravel(), facet[:, 1:].ravel()]), len(vertex))
-    names, part = np.unique(part[facet[:, 0]], return_inverse=True)
+    names, part = np.unique(part, return_inverse=True)
     count = len(names)
-    if count == 1:
-        return None
     corner = vertex[facet]
     a, b, c = (corner[:, k] - vertex.mean(axis=0) for k in range(3))
-    volume = np.bincount(part, np.einsum("ij,ij->i", a, np.cross(b, c)), count)
+    volume = np.bincount(part, np.einsum("ij,ij->i", a, np.cross(b, c)), count) / 6
     up = np.cross(b - a, c - a)[:, 2]
     # A place on the facet of each body that spreads most; hardly a corner lies above it.
     order = np.lexsort((np.abs(up), part))
     first = order[np.r_[np.flatnonzero(np.diff(part[order])), len(order) - 1]]
     start = np.einsum("k,ikj->ij", [0.381966, 0.414214, 0.20382], corner[first])
+    if count == 1:
+        return start, volume, np.zeros(1), np.zeros(1, bool)
     low, high = corner.min(axis=1), corner.max(axis=1)
     tree = shapely.STRtree(shapely.box(*low[:, :2].T, *high[:, :2].T))
     which, above = tree.query(shapely.points(start[:, :2]))
     good = (part[above] != which) & (up[above] != 0)
     which, above = which[good], above[good]
+    sense = np.sign(up[above])
     flat = [corner[above, k, :2] for k in range(3)]
     turns = np.stack([_turn(flat[k], flat[(k + 1) % 3], start[which, :2]) for k in range(3)])
-    inside = (turns * np.sign(up[above]) > 0).all(axis=0)
-    over = _side(*(corner[above, k] for k in range(3)), start[which]) * np.sign(up[above]) < 0
-    hit = inside & over
-    depth = np.bincount(which[hit], np.sign(up[above])[hit], count)
-    wrong = np.flatnonzero(depth != (volume < 0))
-    return ("a body is inverted", start[wrong[0]]) if len(wrong) else None
+    over = _side(*(corner[above, k] for k in range(3)), start[which]) * sense < 0
+    hit = (turns * sense > 0).all(axis=0) & over
+    odd = np.bincount(which[hit], minlength=count) % 2 == 1
+    return start, volume, np.bincount(which[hit], sense[hit], count), odd

@@ -27,12 +27,14 @@ from mpfcad.optics.film import (
 )
 from mpfcad.optics.film_lanes import film_passages
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import LANES
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
 from mpfcad.optics.sampling import start_path
 from mpfcad.optics.scene import Scene
-from mpfcad.optics.source import Source, start_ray
+from mpfcad.optics.source import LAMPS, Source, start_ray
+from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.tile import CHAIN
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
@@ -58,6 +60,20 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
     for f in range(wave.once.shape[1]):
         wave.once[slot, f] = 0.0
     enqueue(wave, e, slot)
+
+
+@kernel
+def _refill(scene, source, seed, stream, first, started, slots, count, wave):
+    """Put new paths into free slots while there are any of `count`; return the next's number."""
+    slots = slots[: min(len(slots), count - started)]
+    if source.kind == LAMPS:
+        for i in range(len(slots)):
+            path = first + uint64(started + i)
+            _begin(scene, source, seed, stream, path, slots[i], started + i, wave)
+    else:
+        for i in range(0, len(slots), LANES):
+            start_rays(scene, source, seed, stream, first, started + i, slots[i : i + LANES], wave)
+    return started + len(slots)
 
 
 @kernel
@@ -93,7 +109,7 @@ def _pass_film(tile, film, rays, wave):
             wave.upward[slot] = 1 if up else 0
     film_passages(
         tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.upward, wave.way, wave.rng, wave.lane_float, wave.lane_whole,
+        rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
     )  # fmt: skip
     if placed:
         for slot in rays:
@@ -140,10 +156,16 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
     Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
     squares; `wave` is scratch. A scene without elements has no paths.
     """
-    started = min(len(wave.way), len(radiance))
-    for slot in range(started):
-        _begin(scene, source, seed, stream, first + uint64(slot), slot, slot, wave)
+    started = 0
+    freed = wave.freed
+    free = min(len(freed), len(radiance))
+    for slot in range(free):
+        freed[slot] = slot
     while True:
+        started = _refill(
+            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave
+        )
+        free = 0
         e, waiting = longest_queue(wave)
         if waiting == 0:
             return
@@ -159,10 +181,8 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
                 flow2[f] += wave.once[slot, f] * wave.once[slot, f]
-            if started < len(radiance):
-                path = first + uint64(started)
-                _begin(scene, source, seed, stream, path, slot, started, wave)
-                started += 1
+            freed[free] = slot
+            free += 1
 
 
 def trace(

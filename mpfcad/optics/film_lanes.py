@@ -1,14 +1,12 @@
 """Passages of many rays through an extruded film, eight at a time.
 
 The same physics as `film.film_passage`, ray by ray the same: a ray that has left the film makes
-room in its lane for the next of the queue.
+room in its lane for the next of the queue. In one round each ray tries one run of the chain, passes
+or reflects at the segment it meets there, and does the same at the underside if nothing else is
+in its way down.
 """
 
-import math
-
-from numba import uint64
-
-from mpfcad.optics.chain import chain_hit
+from mpfcad.optics.chain_walk import leave_run, meet_in_run, next_run, run_data, zone_entry
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import (
@@ -18,176 +16,142 @@ from mpfcad.optics.lanes import (
     copy_sign,
     floor,
     magnitude,
-    real,
     select,
     spread,
 )
-from mpfcad.optics.lanes_array import load, store
-from mpfcad.optics.sampling import (
-    BLOCK,
-    HAS_SPARE,
-    KEY0,
-    KEY1,
-    PATH0,
-    PATH1,
-    SPARE,
-    STREAM,
-    philox4x32,
-)
+from mpfcad.optics.lanes_array import load, load_lines, store, store_lines
+from mpfcad.optics.sampling import KEY0, KEY1, STREAM
+from mpfcad.optics.sampling_lanes import next_two, take
 
-# Columns of a ray's place and way.
-X, Y, Z, DX, DY, DZ = range(6)
-WAY = 0
-# Rows of the lanes' scratch.
-_BASE = 6
-_SEGMENT, _INSIDE, _HITS, _DRAW, _SPARE, _HAS, _PATH0, _PATH1, _RAY = range(9)
-FLOAT_ROWS, WHOLE_ROWS = 7, 9
-_ENTERING = -3
+#: Columns of a ray's place: x, y, z [mm], the direction, two that are free.
+PLACE_SIZE = 8
 _EMPTY = -1
-_MOST_HITS = 100_000
+_MOST_ROUNDS = 200_000
 
 
 @kernel
 def film_passages(
-    tile, index, index_below, offset, rays, place, up, way, rng, lane_float, lane_whole
+    tile, index, index_below, offset, rays, place, way, rng, lane_place, lane_rng, lane_ray
 ):
     """Follow rays through a film of an extruded tile until they leave it.
 
-    rays (n,) int64: the rows of place (…, 6) float64 [mm], up (…,) int64, rng (…, 8) uint64 that
-    hold the rays; place is moved on and `way` (…,) int64 gets 1, -1 or 0 as in `film_passage`.
-    lane_float (7, 8) float64 and lane_whole (9, 8) int64 are scratch.
+    rays (n,) int64: the rows of place (…, 8) float64 [mm] and rng (…, 8) uint64 that hold the rays;
+    place is moved on and `way` (…,) int64 gets 1, -1 or 0 as in `film_passage`. lane_place (8, 8)
+    float64, lane_rng (8, 8) uint64 and lane_ray (1, 8) int64 are scratch.
     """
     if len(rays) == 0:
         return
     chain, width, low, high = tile.chain, tile.width, tile.low, tile.high
-    key0, key1 = rng[rays[0], KEY0], rng[rays[0], KEY1]
+    key0, key1 = spread(rng[rays[0], KEY0]), spread(rng[rays[0], KEY1])
     stream = spread(rng[rays[0], STREAM])
     following = 0
     for lane in range(LANES):
-        following = _take(
-            width, high, offset, rays, following, place, up, rng, lane, lane_float, lane_whole
-        )
-    while True:
-        x, y, z = load(lane_float, X), load(lane_float, Y), load(lane_float, Z)
-        dx, dy, dz = load(lane_float, DX), load(lane_float, DY), load(lane_float, DZ)
-        base = load(lane_float, _BASE)
-        k, hits = load(lane_whole, _SEGMENT), load(lane_whole, _HITS)
-        inside = load(lane_whole, _INSIDE) != 0
-        draw, spare = load(lane_whole, _DRAW), load(lane_whole, _SPARE)
-        has = load(lane_whole, _HAS) != 0
-        path0, path1 = load(lane_whole, _PATH0), load(lane_whole, _PATH1)
-        live = load(lane_whole, _RAY) >= 0
-        if not any_of(live):
-            return
-        ended = live ^ live
+        following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+    live = load(lane_ray, 0) >= 0
+    began, no = live, live ^ live
+    inside, amid, fresh = no, no, no
+    base, run, k = spread(0.0), spread(0.0), spread(0.0)
+    rounds = spread(0)
+    while any_of(live):
+        x, y, z, dx, dy, dz, _, _ = load_lines(lane_place)
+        _, _, path0, path1, _, draw, spare, unused = load_lines(lane_rng)
+        has = unused != 0
+        home = floor((x - offset) / width) * width + offset
+        base = select(began, home, base)
+        local = x - home
+        local = select(local > 0.0, select(local < width, local, width), 0.0)
+        x = select(began, local, x)
+        entering = began & ((dz < 0.0) ^ True)
+        z = select(began, select(entering, 0.0, high), z)
+        old = began ^ True
+        inside, amid = inside & old, amid & old
+        fresh = (fresh & old) | (began ^ entering)
+        rounds = select(began, 0, rounds)
+        ended = no
         while not any_of(ended):
-            entering = k == _ENTERING
-            k, distance, x, z, shift, nx, nz = chain_hit(
-                chain, width, low, high, x, z, dx, dz, k, inside, live & (entering ^ True)
+            first, shift = zone_entry(chain, width, select(inside, low, high), x, z, dx, dz)
+            shift = select(fresh, shift, 0.0)
+            x, base = x - shift, base + shift
+            run = select(fresh, first, run)
+            looking = live & (entering ^ True)
+            ends = run_data(chain, run)
+            met, k, distance, x, z, slope, nz, against = meet_in_run(
+                ends, chain.segment, x, z, dx, dz, k, amid, inside, looking
             )
-            base = base + shift
             y = y + distance * dy
-            # Past the last facet: flight to the top of the film, or to its underside.
-            free = live & (k == -1)
-            flight = select(free, (select(inside, 0.0, high) - z) / dz, 0.0)
-            flight = select(flight > 0.0, flight, 0.0)
-            x, y = x + flight * dx, y + flight * dy
-            z = select(free & inside, 0.0, z)
-            turn = select(free & inside, floor(x / width) * width, 0.0)
-            x, base = x - turn, base + turn
-            under = entering | (free & inside)
-            meets = live & (under | (k >= 0))
-            # One interface for facets and underside.
-            nx, nz = select(under, 0.0, nx), select(under, -1.0, nz)
-            beyond = select(under, index_below, 1.0)
-            ratio = select(inside, index / beyond, beyond / index)
-            approach = dx * nx + dz * nz
+            number, other, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+            # The segment met.
+            approach = against * nz
             size = magnitude(approach)
+            ratio = select(inside, index, 1.0 / index)
             reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
-            a, b, c, d = philox4x32(draw, stream, path0, path1, key0, key1)
-            number = real(select(has, spare, (a << 32) | b) >> 11) * 2.0**-53
-            spare = select(has, spare, (c << 32) | d)
-            draw = select(meets & (has ^ True), draw + 1, draw)
-            has = has ^ meets
             mirrored = number < reflectance
             bend = select(
                 mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach
             )
-            bend = select(meets, bend, 0.0)
-            scale = select(meets & (mirrored ^ True), ratio, 1.0)
-            dx, dy, dz = scale * dx + bend * nx, scale * dy, scale * dz + bend * nz
+            bend = select(met, bend * nz, 0.0)
+            passed = met & (mirrored ^ True)
+            scale = select(passed, ratio, 1.0)
+            dx, dy, dz = scale * dx - bend * slope, scale * dy, scale * dz + bend
+            inside = inside ^ passed
+            # What is ahead: the same run, the next one, or free flight.
+            level = select(inside, low, high)
+            gone, amid = leave_run(ends, level, x, z, dx, dz, k, met, inside)
+            gone, amid = gone & looking, amid & looking
+            on = looking & ((gone | amid) ^ True)
+            ahead, at, turn = next_run(chain, width, run, x, dx)
+            run, x = select(on, ahead, run), select(on, at, x)
+            base = base + select(on, turn, 0.0)
+            flight = select(gone, (select(inside, 0.0, high) - z) / dz, 0.0)
+            flight = select(flight > 0.0, flight, 0.0)
+            x, y = x + flight * dx, y + flight * dy
+            # The underside, from within or (entering) from below.
+            under = entering | (gone & inside)
+            z = select(under, 0.0, z)
+            number = select(met, other, number)
+            ratio = select(inside, index / index_below, index_below / index)
+            size = magnitude(dz)
+            reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
+            mirrored = number < reflectance
+            passed = under & (mirrored ^ True)
+            scale = select(passed, ratio, 1.0)
+            dx, dy = scale * dx, scale * dy
+            dz = select(under, select(mirrored, -dz, copy_sign(cos_out, dz)), dz)
             down = under & (mirrored ^ inside)
-            inside = inside ^ (meets & (mirrored ^ True))
-            k = select(under, -1, k)
-            hits = hits + 1
-            lost = live & ((k == -2) | (hits > _MOST_HITS))
-            ended = live & (down | lost | (free & (under ^ True)))
-        store(lane_float, X, x)
-        store(lane_float, Y, y)
-        store(lane_float, Z, z)
-        store(lane_float, DX, dx)
-        store(lane_float, DY, dy)
-        store(lane_float, DZ, dz)
-        store(lane_float, _BASE, base)
-        store(lane_whole, _SEGMENT, k)
-        store(lane_whole, _INSIDE, select(inside, 1, 0))
-        store(lane_whole, _HITS, hits)
-        store(lane_whole, _DRAW, draw)
-        store(lane_whole, _SPARE, spare)
-        store(lane_whole, _HAS, select(has, 1, 0))
-        left = bits(ended)
-        downward, astray = bits(down), bits(lost)
-        for lane in range(LANES):
-            if (left >> lane) & 1:
-                _give(place, rng, lane, lane_float, lane_whole)
-                sign = 1
-                if (downward >> lane) & 1:
-                    sign = -1
-                if (astray >> lane) & 1:
-                    sign = 0
-                way[lane_whole[_RAY, lane]] = sign
-                following = _take(
-                    width, high, offset, rays, following, place, up, rng, lane, lane_float,
-                    lane_whole,
-                )  # fmt: skip
+            inside = inside ^ passed
+            fresh, entering = under & (down ^ True), no
+            # Each meeting has taken a number.
+            draw, spare, has = take(draw, spare, has, aft, met ^ under, met & under)
+            rounds = rounds + 1
+            lost = live & (rounds > _MOST_ROUNDS)
+            ended = down | lost | (gone & (under ^ True))
+        store_lines(lane_place, select(ended, x + base, x), y, z, dx, dy, dz, x, x)
+        unused = select(has, 1, 0)
+        store_lines(lane_rng, key0, key1, path0, path1, stream, draw, spare, unused)
+        left, downward, astray = bits(ended), bits(down), bits(lost)
+        lane = 0
+        while left:
+            if left & 1:
+                ray = lane_ray[0, lane]
+                store(place, ray, load(lane_place, lane))
+                store(rng, ray, load(lane_rng, lane))
+                sign = -1 if (downward >> lane) & 1 else 1
+                way[ray] = 0 if (astray >> lane) & 1 else sign
+                following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+            left >>= 1
+            lane += 1
+        live = load(lane_ray, 0) >= 0
+        began = ended & live
 
 
 @kernel
-def _take(width, high, offset, rays, following, place, up, rng, lane, lane_float, lane_whole):
+def _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray):
     """Put the queue's next ray into a lane, or empty it; return the number of the one after."""
     if following == len(rays):
-        lane_whole[_RAY, lane] = _EMPTY
+        lane_ray[0, lane] = _EMPTY
         return following
     ray = rays[following]
-    x = place[ray, X]
-    base = math.floor((x - offset) / width) * width + offset
-    lane_float[X, lane] = min(max(x - base, 0.0), width)
-    lane_float[_BASE, lane] = base
-    upward = up[ray] != 0
-    lane_float[Y, lane] = place[ray, Y]
-    lane_float[Z, lane] = 0.0 if upward else high
-    for i in range(DX, DZ + 1):
-        lane_float[i, lane] = place[ray, i]
-    lane_whole[_SEGMENT, lane] = _ENTERING if upward else -1
-    lane_whole[_INSIDE, lane] = 0
-    lane_whole[_HITS, lane] = 0
-    lane_whole[_DRAW, lane] = rng[ray, BLOCK]
-    lane_whole[_SPARE, lane] = rng[ray, SPARE]
-    lane_whole[_HAS, lane] = rng[ray, HAS_SPARE]
-    lane_whole[_PATH0, lane] = rng[ray, PATH0]
-    lane_whole[_PATH1, lane] = rng[ray, PATH1]
-    lane_whole[_RAY, lane] = ray
+    store(lane_place, lane, load(place, ray))
+    store(lane_rng, lane, load(rng, ray))
+    lane_ray[0, lane] = ray
     return following + 1
-
-
-@kernel
-def _give(place, rng, lane, lane_float, lane_whole):
-    """Write a lane's ray back to where it came from."""
-    ray = lane_whole[_RAY, lane]
-    place[ray, X] = lane_float[X, lane] + lane_float[_BASE, lane]
-    place[ray, Y] = lane_float[Y, lane]
-    for i in range(DX, DZ + 1):
-        place[ray, i] = lane_float[i, lane]
-    rng[ray, BLOCK] = uint64(lane_whole[_DRAW, lane])
-    rng[ray, SPARE] = uint64(lane_whole[_SPARE, lane])
-    rng[ray, HAS_SPARE] = uint64(lane_whole[_HAS, lane])

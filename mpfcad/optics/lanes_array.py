@@ -1,6 +1,6 @@
 """Eight paths at once: lanes out of arrays and back, and small arrays on a kernel's own stack.
 
-`gather` and `gather_row` take a plain index as well as eight.
+`gather`, `gather_row` and `gather_line` take a plain index as well as eight.
 """
 
 from llvmlite import ir
@@ -56,40 +56,81 @@ local_floats = _local(types.float64)
 local_wholes = _local(types.int64)
 
 
+def _shuffle(builder, a, b, order):
+    """Return a vector of the elements of a and b in an order."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(I32, len(order)), order))
+
+
+def _transposed(builder, rows):
+    """Return the columns of eight rows of eight: pairs, then quads, then halves change places."""
+    for step, halves in (
+        (1, ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15])),
+        (2, ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])),
+        (4, ([0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15])),
+    ):
+        for i in range(LANES):
+            if not i & step:
+                pair = rows[i], rows[i + step]
+                rows[i], rows[i + step] = (_shuffle(builder, *pair, half) for half in halves)
+    return rows
+
+
+def _row(builder, data, place, element, columns):
+    """Return row number `place` of an array of so many columns, as a vector."""
+    kind = ir.VectorType(element, columns)
+    place = builder.mul(place, ir.Constant(place.type, columns))
+    loaded = builder.load(builder.bitcast(builder.gep(data, [place]), kind.as_pointer()))
+    loaded.align = 8
+    return loaded
+
+
+@intrinsic
+def gather_line(typingctx, array, index):
+    """Return the eight columns of array[index], (n, 8) contiguous, as a tuple.
+
+    For an index or eight of them.
+    """
+    wide = F8 if isinstance(array.dtype, types.Float) else I8
+    kind = wide if index == I8 else array.dtype
+    result = types.UniTuple(kind, 8)
+
+    def lower(context, builder, sig, args):
+        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+        element = wide.vector.element
+        if index != I8:
+            place = context.cast(builder, args[1], index, types.int64)
+            loaded = _row(builder, data, place, element, 8)
+            columns = [builder.extract_element(loaded, ir.Constant(I32, i)) for i in range(8)]
+        else:
+            places = [builder.extract_element(args[1], ir.Constant(I32, i)) for i in range(LANES)]
+            columns = _transposed(builder, [_row(builder, data, p, element, 8) for p in places])
+        return context.make_tuple(builder, result, columns)
+
+    return result(array, index), lower
+
+
 @intrinsic
 def gather_row(typingctx, array, index):
     """Return the four columns of array[index], (n, 4) float64 contiguous, as a tuple."""
     kind = F8 if index == I8 else types.float64
-    quad = ir.VectorType(ir.DoubleType(), 4)
-
-    def row(context, builder, data, place):
-        place = builder.mul(place, ir.Constant(place.type, 4))
-        loaded = builder.load(builder.bitcast(builder.gep(data, [place]), quad.as_pointer()))
-        loaded.align = 8
-        return loaded
-
-    def shuffle(builder, a, b, order):
-        return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(I32, len(order)), order))
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
         if index != I8:
             place = context.cast(builder, args[1], index, types.int64)
-            loaded = row(context, builder, data, place)
+            loaded = _row(builder, data, place, ir.DoubleType(), 4)
             columns = [builder.extract_element(loaded, ir.Constant(I32, i)) for i in range(4)]
             return context.make_tuple(builder, sig.return_type, columns)
-        rows = [
-            row(context, builder, data, builder.extract_element(args[1], ir.Constant(I32, i)))
-            for i in range(LANES)
-        ]
+        places = [builder.extract_element(args[1], ir.Constant(I32, i)) for i in range(LANES)]
+        rows = [_row(builder, data, place, ir.DoubleType(), 4) for place in places]
         # Transpose 8 rows of 4: rows i and i+4 side by side, then columns in pairs, then whole.
-        pairs = [shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
+        pairs = [_shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
         columns = []
         for c in range(4):
             halves = [
-                shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
+                _shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
             ]
-            columns.append(shuffle(builder, *halves, [0, 1, 4, 5, 2, 3, 6, 7]))
+            columns.append(_shuffle(builder, *halves, [0, 1, 4, 5, 2, 3, 6, 7]))
         return context.make_tuple(builder, sig.return_type, columns)
 
     return types.UniTuple(kind, 4)(array, index), lower
@@ -128,3 +169,31 @@ def store(typingctx, array, row, value):
         return context.get_dummy_value()
 
     return types.void(array, row, value), lower
+
+
+@intrinsic
+def load_lines(typingctx, array):
+    """Return the columns of an (8, 8) contiguous array as a tuple of lanes."""
+    kind = F8 if isinstance(array.dtype, types.Float) else I8
+    result = types.UniTuple(kind, LANES)
+
+    def lower(context, builder, sig, args):
+        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+        places = [ir.Constant(ir.IntType(64), i) for i in range(LANES)]
+        rows = [_row(builder, data, place, kind.vector.element, LANES) for place in places]
+        return context.make_tuple(builder, result, _transposed(builder, rows))
+
+    return result(array), lower
+
+
+@intrinsic
+def store_lines(typingctx, array, a, b, c, d, e, f, g, h):
+    """Put lanes into the columns of an (8, 8) contiguous array."""
+
+    def lower(context, builder, sig, args):
+        for i, row in enumerate(_transposed(builder, list(args[1:]))):
+            place = ir.Constant(ir.IntType(64), i)
+            builder.store(row, _row_pointer(context, builder, array, args[0], place, a), align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, a, b, c, d, e, f, g, h), lower

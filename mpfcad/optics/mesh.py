@@ -52,11 +52,33 @@ def read_film_mesh(path: Path) -> FilmMesh:
         when the file is missing or no binary STL, or the mesh is open, inverted, touches itself or
         does not repeat from side to side; the text names the place.
     """
-    path = Path(path)
-    corner = read_facets(path)
-    vertex, facet = weld(corner)
-    _check_finite(path, vertex)
+    vertex, facet = read_solid(path)
     check_solid(path, vertex, facet)
+    return film_of(path, vertex, facet)
+
+
+def read_solid(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (v, 3) [mm] and facets (n, 3) of a binary STL file, whatever they bound.
+
+    Raises
+    ------
+    InputError
+        when the file is missing or no binary STL, or a number in it is not finite.
+    """
+    path = Path(path)
+    vertex, facet = weld(read_facets(path))
+    _check_finite(path, vertex)
+    return vertex, facet
+
+
+def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
+    """Return the film tile that the facets of a solid are.
+
+    Raises
+    ------
+    InputError
+        when it is no film or does not repeat from side to side; the text names the place.
+    """
     low, high = vertex.min(axis=0), vertex.max(axis=0)
     vertex = vertex - low
     size = high - low
@@ -102,16 +124,27 @@ def weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.i
 
     Facets with two equal corners bound nothing and are left out: their neighbours join.
     """
-    points = np.ascontiguousarray(corner.reshape(-1, 3)) + np.float32(0)  # -0 becomes 0
+    points = corner.reshape(-1, 3) + np.float32(0)  # -0 becomes 0
     # Two coordinates a whole number: sorted several times faster than records.
-    x, y, z = points.view(np.uint32).astype(np.uint64).T
-    _, number = np.unique(x << np.uint64(32) | y, return_inverse=True)
-    _, number = np.unique(number.astype(np.uint64) << np.uint64(32) | z, return_inverse=True)
+    bits = points.view(np.uint32)
+    number = _numbered(_numbered(bits[:, 0], bits[:, 1]), bits[:, 2])
     vertex = np.empty((number.max() + 1, 3))
     vertex[number] = points
-    facet = number.reshape(-1, 3).astype(np.int64)
+    facet = number.reshape(-1, 3)
     collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
     return vertex, facet[~collapsed]
+
+
+def _numbered(high: NDArray[np.integer], low: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Return the rank of each pair, (n,), in the order of `high`, then of `low`."""
+    key = high.astype(np.uint64)
+    key <<= np.uint64(32)
+    key |= low
+    order = np.argsort(key)
+    key = key[order]
+    rank = np.empty(len(key), np.int64)
+    rank[order] = np.r_[0, np.cumsum(key[1:] != key[:-1])]
+    return rank
 
 
 def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:

@@ -1,5 +1,6 @@
 """Whether facets bound a solid: closed, oriented outward, meeting nowhere but at their edges."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,8 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 
+#: Facets looked at together.
+_CHUNK = 1 << 17
 _MEET = "facets may meet only in the edges and corners they share"
 
 
@@ -60,8 +63,17 @@ def _open_edge(vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> str | N
 
 def volume(vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> float:
     """Return the volume that facets enclose [mm³], below 0 where they are oriented inward."""
-    a, b, c = (vertex[facet[:, i]] - vertex.mean(axis=0) for i in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+    middle, total = vertex.mean(axis=0), 0.0
+    for part in _parts(facet):
+        a, b, c = (vertex[part[:, i]] - middle for i in range(3))
+        total += float(np.einsum("ij,ij->", a, np.cross(b, c)))
+    return total / 6
+
+
+def _parts(facet: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """Yield the facets some at a time: what is computed of them stays small."""
+    for first in range(0, len(facet), _CHUNK):
+        yield facet[first : first + _CHUNK]
 
 
 def _inverted(vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> str | None:
@@ -94,22 +106,21 @@ def is_height_field(vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> bo
     turned over; so does what looks strictly upward, and each side ends where that begins.
     """
     low, high = vertex.min(axis=0), vertex.max(axis=0)
-    corner = vertex[facet]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    under = (corner[..., 2] == low[2]).all(axis=1)
-    rest = ~under
-    for axis in (0, 1):
-        for plane, sign in ((low[axis], -1), (high[axis], 1)):
-            side = (corner[..., axis] == plane).all(axis=1)
-            if (sign * normal[side, axis] < 0).any():
-                return False
-            rest &= ~side
-    up = normal[rest, 2]
     base = float(np.prod((high - low)[:2]))
-    areas = up.sum() / 2, -normal[under, 2].sum() / 2
-    return bool(
-        (up > 0).all()
-        and (normal[under, 2] <= 0).all()
-        and (corner[rest, :, 2] > low[2]).all()
-        and all(abs(area - base) <= 1e-6 * base for area in areas)
-    )
+    top = bottom = 0.0
+    for part in _parts(facet):
+        corner = vertex[part]
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        under = (corner[..., 2] == low[2]).all(axis=1)
+        rest = ~under
+        for axis in (0, 1):
+            for plane, sign in ((low[axis], -1), (high[axis], 1)):
+                side = (corner[..., axis] == plane).all(axis=1)
+                if (sign * normal[side, axis] < 0).any():
+                    return False
+                rest &= ~side
+        up, down = normal[rest, 2], -normal[under, 2]
+        if (up <= 0).any() or (down < 0).any() or (corner[rest, :, 2] <= low[2]).any():
+            return False
+        top, bottom = top + up.sum() / 2, bottom + down.sum() / 2
+    return bool(abs(top - base) <= 1e-6 * base and abs(bottom - base) <= 1e-6 * base)

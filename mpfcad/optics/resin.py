@@ -47,7 +47,7 @@ def segment_over(chain, x):
     low, high = 0, len(chain.segment)
     while high - low > 1:
         middle = (low + high) >> 1
-        if chain.vertex[middle, 0] <= x:
+        if chain.segment[middle, 0] <= x:
             low = middle
         else:
             high = middle
@@ -76,8 +76,8 @@ def collision_distance(prism, scattering, x, z, dx, dz, reach, rng):
         at = x + flown * dx
         at -= math.floor(at / prism.width) * prism.width
         k = segment_over(chain, at)
-        x0, z0 = chain.vertex[k, 0], chain.vertex[k, 1]
-        x1, z1 = chain.vertex[k + 1, 0], chain.vertex[k + 1, 1]
+        line = chain.segment[k]
+        x0, z0, x1, z1 = line[0], line[1], line[2], line[3]
         if z + flown * dz > z0 + (at - x0) / (x1 - x0) * (z1 - z0):
             return flown
 
@@ -103,14 +103,14 @@ def facet_amid(tile, x, y, z, dx, dy, dz):
     sign = 1.0 if right else -1.0
     speed = abs(dx)
     for _ in range(64 * count + 64):
-        v = k + 1 if right else k
-        ahead = (chain.vertex[v, 0] - x) * sign
+        v = 2 if right else 0
+        ahead = (chain.segment[k, v] - x) * sign
         if speed == 0.0 and dz <= 0.0:
             break
-        if (chain.vertex[v, 1] - z) * speed <= ahead * dz:
-            nx, nz = chain.segment[k, 1], chain.segment[k, 2]
-            x0, z0 = chain.vertex[k, 0], chain.vertex[k, 1]
-            x1, z1 = chain.vertex[k + 1, 0], chain.vertex[k + 1, 1]
+        if (chain.segment[k, v + 1] - z) * speed <= ahead * dz:
+            line = chain.segment[k]
+            x0, z0, x1, z1, nz = line[0], line[1], line[2], line[3], line[5]
+            nx = -line[4] * nz
             approach = dx * nx + dz * nz
             distance = 0.0
             if approach != 0.0:

@@ -14,7 +14,9 @@ import math
 import numpy as np
 from numba import uint64
 
+from mpfcad.optics.circle import circle
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import root
 
 _M0 = np.uint64(0xD2511F53)
 _M1 = np.uint64(0xCD9E8D57)
@@ -78,11 +80,18 @@ def gaussian_pair(rng):
 
 
 @kernel
+def disk_point(u, v):
+    """Return the point of the unit disk that two uniform numbers choose (one, or eight each)."""
+    radius = root(u)
+    x, y = circle(v)
+    return radius * x, radius * y
+
+
+@kernel
 def disk(rng):
     """Return a point uniform in the unit disk: the (kx, ky) of a Lambertian direction."""
-    radius = math.sqrt(uniform(rng))
-    angle = 2.0 * math.pi * uniform(rng)
-    return radius * math.cos(angle), radius * math.sin(angle)
+    u = uniform(rng)
+    return disk_point(u, uniform(rng))
 
 
 @kernel

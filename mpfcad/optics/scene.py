@@ -77,7 +77,8 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     ------
     TraceError
         when a cavity is not the lowest element, a bonded slab has no film with its underside on it,
-        or the asked accelerator does not fit the mesh.
+        a film without flat underside is bonded or holds resin, or the asked accelerator does not
+        fit the mesh.
     """
     _check_order(elements)
     tiles, phases, bsdfs = _Rows(), _Rows(), _Rows()
@@ -116,6 +117,11 @@ def _check_order(elements: list[Element]) -> None:
     for i, element in enumerate(elements):
         if isinstance(element, Cavity) and i > 0:
             raise TraceError("the cavity must be the lowest element")
+        hanging = isinstance(element, Film) and not element.mesh.underside
+        if hanging and (element.index_below != 1.0 or element.resin):
+            raise TraceError(
+                f"{element.name}: needs a flat underside to be bonded or to hold scattering resin"
+            )
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded:
             if not isinstance(upper, Film):

@@ -18,8 +18,8 @@ from mpfcad.optics.lanes import LANES, bits, select
 from mpfcad.optics.lanes_array import load, local_floats, store
 from mpfcad.optics.mesh import FilmMesh
 
-#: Segments a cell, on average: about one block, as those on its rim count several times.
-_SHARE = 4
+#: Segments a cell, on average: 4, 8 and 16 are as fast on films of 2 to 150 chords a groove.
+_SHARE = 8
 #: By how much of a cell its list reaches beyond it: far more than rounding moves a ray.
 _RIM = 1e-3
 _MOST_CELLS = 100_000_000

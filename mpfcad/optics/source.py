@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.optics.cavity import LAMP_HEIGHT, LAMP_POSITION, LAMP_RADIUS, NO_LAMP, lambertian
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import root, select
 from mpfcad.optics.panel import lamp_start
 from mpfcad.optics.sampling import disk, uniform
 
@@ -76,18 +77,26 @@ class Source(_SourceFields):
 
 
 @kernel
-def _look(tilt_x, tilt_y, acceptance, px, py):
+def remaining_cosine(kx, ky):
+    """Return the third direction cosine."""
+    square = 1.0 - kx * kx - ky * ky
+    return root(select(square > 0.0, square, 0.0))
+
+
+@kernel
+def look(tilt_x, tilt_y, acceptance, px, py):
     """Return the direction of a meter's ray: (px, py) of the unit disk within its cone.
 
     The cone stands upright on the meter's axis d0: d = cos a · d0 + sine of the half angle · p,
     p in the plane across d0. Along the normal this is (kx, ky) = acceptance · (px, py).
+    One ray or eight.
     """
-    axis = math.sqrt(max(0.0, 1.0 - tilt_x * tilt_x - tilt_y * tilt_y))
+    axis = remaining_cosine(tilt_x, tilt_y)
     toward = (px * tilt_x + py * tilt_y) / (1.0 + axis)
-    cosine = math.sqrt(1.0 - acceptance * acceptance * (px * px + py * py))
+    cosine = root(1.0 - acceptance * acceptance * (px * px + py * py))
     dx = cosine * tilt_x + acceptance * (px - toward * tilt_x)
     dy = cosine * tilt_y + acceptance * (py - toward * tilt_y)
-    return dx, dy, -math.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
+    return dx, dy, -remaining_cosine(dx, dy)
 
 
 @kernel
@@ -99,9 +108,9 @@ def start_ray(scene, source, point, rng):
     last = len(scene.kind) - 1
     px, py = disk(rng)
     if source.kind == EYE:
-        dx, dy, dz = _look(source.tilt_x[point], source.tilt_y[point], source.acceptance, px, py)
+        dx, dy, dz = look(source.tilt_x[point], source.tilt_y[point], source.acceptance, px, py)
         return last, False, x, y, 0.0, dx, dy, dz, NO_LAMP
-    dz = math.sqrt(max(0.0, 1.0 - px * px - py * py))
+    dz = remaining_cosine(px, py)
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
     if len(scene.lamp) > 0:

@@ -10,7 +10,8 @@ import numpy as np
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.bvh import Bvh, build_bvh, bvh_hit
-from mpfcad.optics.chain import Chain, build_chain, chain_hit, chain_of
+from mpfcad.optics.chain import Chain, build_chain, chain_of
+from mpfcad.optics.chain_walk import chain_hit
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.section import Section, build_section, section_hit, section_of
@@ -88,7 +89,7 @@ def next_facet(tile, x, y, z, dx, dy, dz, k, inside):
     if tile.accelerator == CHAIN:
         # A chain repeats along y without end, so y needs no tile of its own.
         k, distance, hit_x, hit_z, shift, nx, nz = chain_hit(
-            tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside, True
+            tile.chain, tile.width, tile.low, tile.high, x, z, dx, dz, k, inside
         )
         if k < 0:
             return k, hit_x, y, hit_z, 0.0, 0.0, 1.0, shift, 0.0

@@ -66,11 +66,11 @@ def tile_of(table, t):
     """Return tile number `t` of a table, its arrays as views."""
     c, d = table.chain_at[t], table.chain_at[t + 1]
     chain = Chain(
-        table.chain.vertex[c[0] : d[0]],
-        table.chain.segment[c[1] : d[1]],
-        table.chain.run[c[2] : d[2]],
-        table.chain.run_of[c[3] : d[3]],
-        table.chain.first[c[4] : d[4]],
+        table.chain.segment[c[0] : d[0]],
+        table.chain.run[c[1] : d[1]],
+        table.chain.range[c[2] : d[2]],
+        table.chain.cell[c[3] : d[3]],
+        table.chain.run_of[c[4] : d[4]],
     )
     c, d = table.bvh_at[t], table.bvh_at[t + 1]
     bvh = Bvh(

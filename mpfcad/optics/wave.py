@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS
+from mpfcad.optics.film_lanes import PLACE_SIZE
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES
 from mpfcad.optics.sampling import RNG_SIZE
@@ -25,7 +25,7 @@ class Wave(NamedTuple):
     Attributes
     ----------
     place
-        (s, 6) float64, x, y, z [mm] and direction
+        (s, 8) float64, x, y, z [mm] and direction; two that are free
     weight, radiance
         (s,) float64
     upward, way
@@ -38,10 +38,10 @@ class Wave(NamedTuple):
         (s, f) float64, where the path's weight went
     queue, length
         (e, s) int64, slots that wait before each element; (e,) int64, how many
-    batch
-        (s,) int64, scratch: the slots of one queue
-    lane_float, lane_whole
-        scratch of `film_passages`
+    batch, freed
+        (s,) int64, scratch: the slots of one queue; those whose paths have ended
+    lane_place, lane_rng, lane_ray
+        (8, 8), (8, 8), (1, 8), scratch of `film_passages`
     """
 
     place: NDArray[np.float64]
@@ -56,8 +56,10 @@ class Wave(NamedTuple):
     queue: NDArray[np.int64]
     length: NDArray[np.int64]
     batch: NDArray[np.int64]
-    lane_float: NDArray[np.float64]
-    lane_whole: NDArray[np.int64]
+    freed: NDArray[np.int64]
+    lane_place: NDArray[np.float64]
+    lane_rng: NDArray[np.uint64]
+    lane_ray: NDArray[np.int64]
 
     @classmethod
     def empty(cls, elements: int, flows: int) -> "Wave":
@@ -67,11 +69,11 @@ class Wave(NamedTuple):
             return np.zeros(shape, np.int64)
 
         return cls(
-            np.zeros((SLOTS, 6)), np.zeros(SLOTS), np.zeros(SLOTS),
+            np.zeros((SLOTS, PLACE_SIZE)), np.zeros(SLOTS), np.zeros(SLOTS),
             whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
             np.zeros((SLOTS, RNG_SIZE), np.uint64), np.zeros((SLOTS, flows)),
-            whole(elements, SLOTS), whole(elements), whole(SLOTS),
-            np.zeros((FLOAT_ROWS, LANES)), whole(WHOLE_ROWS, LANES),
+            whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
+            np.zeros((LANES, PLACE_SIZE)), np.zeros((LANES, RNG_SIZE), np.uint64), whole(1, LANES),
         )  # fmt: skip
 
 

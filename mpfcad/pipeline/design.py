@@ -7,6 +7,7 @@ import numpy as np
 
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design_reach import describe_reach
 from mpfcad.pipeline.design_record import describe_design
 from mpfcad.pipeline.design_thickness import ThicknessSearch
 from mpfcad.pipeline.design_work import DesignWork
@@ -50,8 +51,9 @@ def run_design(
         least = range_search.search()
         found = range_search.describe(least)
         work = range_search.work(least or design.thickness.max_mm)
-    done = work.search()
-    record = describe_design(work, done, found)
+    done = work.search_maps(design.goal.contrast_target)
+    reach = describe_reach(work, done) if design.search.method == "response" else None
+    record = describe_design(work, done, reach, found)
     with export_folder(out, "design") as folder:
         best = np.array(work.best(done).rows)
         work.write_job(folder, best, os.path.relpath(design_file.parent, out))

@@ -8,7 +8,10 @@ from mpfcad.pipeline.record import versions
 
 
 def describe_design(
-    work: DesignWork, done: list[Iteration], thickness: dict[str, Any] | None
+    work: DesignWork,
+    done: list[Iteration],
+    reach: dict[str, Any] | None,
+    thickness: dict[str, Any] | None,
 ) -> dict[str, Any]:
     """Return everything that was found, in outside names; `thickness` over a range of it."""
     constraint = work.constraint
@@ -24,12 +27,12 @@ def describe_design(
         },
         "lamp_pitch_mm": work.pitch,
         "model": work.model,
-        "reach": work.reach,
+        "reach": reach,
         "thickness_mm": work.stack.thickness,
         "thickness": thickness,
         "iterations": [describe_iteration(one) for one in done],
         "chosen": done.index(work.best(done)),
-        "paths": sum(one.traced.paths for one in done),
+        "paths": sum(one.paths for one in done),
         "versions": versions(),
     }
 
@@ -43,6 +46,10 @@ def describe_iteration(one: Iteration) -> dict[str, Any]:
             "lamp_mura_contrast": one.predicted_contrast,
             "mean_luminance_cd_m2": one.predicted_mean,
         }
+    shifted = one.shifted and {
+        "value": one.shifted.contrast,
+        "ci95": [one.shifted.contrast_low, one.shifted.contrast_high],
+    }
     half = 1.959963984540054 * traced.mean_error
     return {
         "label": one.label,
@@ -58,5 +65,6 @@ def describe_iteration(one: Iteration) -> dict[str, Any]:
             "ci95": [traced.mean - half, traced.mean + half],
         },
         "fit_coefficient_cd_m2": list(traced.coefficient),
-        "paths": traced.paths,
+        "shifted_lamp_mura_contrast": shifted,
+        "paths": one.paths,
     }

@@ -30,17 +30,23 @@ class KeptTraces:
         except (OSError, ValueError, KeyError, TypeError):
             pass
 
-    def find(self, number: int, rows: NDArray[np.float64]) -> Traced | None:
-        """Return the kept trace of a number, if it was of the same rows."""
+    def find(self, number: int, rows: NDArray[np.float64], shift: float) -> Traced | None:
+        """Return the kept trace of a number, if it was of the same rows and shift [mm]."""
+        wanted = [number, list(map(float, rows)), shift]
         for kept in self._traces:
-            if kept["number"] == number and kept["rows"] == list(map(float, rows)):
+            if [kept["number"], kept["rows"], kept.get("shift_mm", 0.0)] == wanted:
                 coefficient = tuple(kept["traced"]["coefficient"])
                 return Traced(**{**kept["traced"], "coefficient": coefficient})
         return None
 
-    def keep(self, number: int, rows: NDArray[np.float64], traced: Traced) -> None:
+    def keep(self, number: int, rows: NDArray[np.float64], shift: float, traced: Traced) -> None:
         """Add a trace and have it on the disk."""
-        entry = {"number": number, "rows": list(map(float, rows)), "traced": asdict(traced)}
+        entry = {
+            "number": number,
+            "rows": list(map(float, rows)),
+            "shift_mm": shift,
+            "traced": asdict(traced),
+        }
         self._traces.append(entry)
         self._path.parent.mkdir(parents=True, exist_ok=True)
         part = self._path.with_name(self._path.name + ".part")

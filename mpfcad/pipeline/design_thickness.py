@@ -21,12 +21,13 @@ from mpfcad.design import (
     predict,
 )
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design_reach import contrast_bound
 from mpfcad.pipeline.design_record import describe_iteration
 from mpfcad.pipeline.design_work import DesignWork
 from mpfcad.pipeline.kept_point import find_kept, keep_result, point_file
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.sweep_point import Point, conventional_point, trace_point
-from mpfcad.pipeline.thickness_limit import SERVES, describe_limit, outcome, spread_lamps
+from mpfcad.pipeline.thickness_limit import FAILS, SERVES, describe_limit, outcome, spread_lamps
 
 #: What is tried where the least thickness of the range does not serve: more of each sheet's
 #: scattering, and more lamps.
@@ -100,7 +101,8 @@ class ThicknessSearch:
         """Return whether a map that the search finds at a thickness serves, by its trace."""
         work = self.work(thickness)
         self.traced[thickness] = work.search_maps(self.limit)
-        self._correction = correction_of(self.traced[thickness], work.response)
+        shift = work.goal.registration / work.pitch
+        self._correction = correction_of(self.traced[thickness], work.response, shift)
         return self._outcome(thickness) == SERVES
 
     def best(self, thickness: float) -> Iteration:
@@ -108,7 +110,7 @@ class ThicknessSearch:
         return self.work(thickness).best(self.traced[thickness])
 
     def _outcome(self, thickness: float) -> str:
-        traced = self.best(thickness).traced
+        traced = self.best(thickness).worst
         return outcome({"ci95": [traced.contrast_low, traced.contrast_high]}, self.limit)
 
     def describe(self, least: float | None) -> dict[str, Any]:
@@ -125,7 +127,7 @@ class ThicknessSearch:
                 keys = ("label", "lamp_mura_contrast", "mean_luminance_cd_m2", "curvature_per_mm")
                 traced = {key: whole[key] for key in keys}
                 traced["outcome"] = self._outcome(thickness)
-                traced["paths"] = sum(one.traced.paths for one in self.traced[thickness])
+                traced["paths"] = sum(one.paths for one in self.traced[thickness])
             model = {
                 "lamp_mura_contrast": found.contrast,
                 "mean_luminance_cd_m2": found.mean,
@@ -139,6 +141,7 @@ class ThicknessSearch:
             "least_mm": least,
             "points": points,
             "limit": self._limit(points),
+            "bounds": self._bounds(),
             "remedies": [] if least == self.values[0] else self._remedies(self.values[0]),
         }
 
@@ -170,6 +173,14 @@ class ThicknessSearch:
         keys = ("equal_luminance_mm", "relative_luminance")
         profile = self.design.film.profile
         return {"profile": profile, **found, **{key: light[key] for key in keys}}
+
+    def _bounds(self) -> list[dict[str, float]]:
+        """Return what no map goes below, where none that was traced serves."""
+        failed = [t for t in sorted(self.traced) if self._outcome(t) == FAILS]
+        return [
+            {"thickness_mm": t, "contrast_bound": contrast_bound(self.work(t), self.traced[t])}
+            for t in failed
+        ]
 
     def _conventional(self) -> float:
         """Return the conventional stack's mean luminance [cd/m²], traced once."""

@@ -11,17 +11,13 @@ from numpy.typing import NDArray
 
 from mpfcad.design import (
     ROWS,
-    Constraint,
-    Goal,
+    Grid,
     Iteration,
+    Operators,
     Response,
     Traced,
     best_of,
-    correction_of,
     estimate_operators,
-    find_optimum,
-    find_reach,
-    predict,
     search_by_inversion,
     search_by_response,
 )
@@ -40,8 +36,6 @@ from mpfcad.pipeline.record import versions
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
 _NODE_STEP = 6.0
 _UNIFORM_FILMS = 7
-#: A map free of the design's own smoothness: harmonics, and change of C [1/mm per mm].
-FREE_HARMONICS, FREE_CHANGE = 10, 1000.0
 #: Half the distance [mm] between the two rows at a step of a map of levels.
 _STEP = 1e-6
 
@@ -65,7 +59,6 @@ class DesignWork:
         self.goal = design_goal(design)
         self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
         self.model: dict[str, Any] | None = None
-        self.reach: dict[str, Any] | None = None
 
     def _key(self) -> str:
         """Return a hash of what the traces of given rows depend on."""
@@ -80,13 +73,6 @@ class DesignWork:
             "versions": versions(),
         }
         return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
-
-    def search(self) -> list[Iteration]:
-        """Return the traced maps, and find out what any map reaches (`reach`)."""
-        done = self.search_maps(self.design.goal.contrast_target)
-        if self.design.search.method == "response":
-            self.reach = self._reach(self.response, done)
-        return done
 
     def search_maps(self, contrast_target: float) -> list[Iteration]:
         """Return the traced maps; the interval of the last ends below the target, if one's does."""
@@ -104,58 +90,33 @@ class DesignWork:
             self.response, constraint, self.goal, self.pitch, self.trace, **stop
         )
 
-    def _reach(self, response: Response, done: list[Iteration]) -> dict[str, Any]:
-        """Return what any map reaches; where no map is good enough, its best one is traced too."""
-        self.progress.stage("finding what any map reaches")
-        low, high = self.constraint.curvature_min, self.constraint.curvature_max
-        best, target = self.best(done), self.design.goal.contrast_target
-        correction = correction_of(done, response)
-        reach = find_reach(response, correction, low, high)
-        found: dict[str, Any] = {
-            "luminance_ratio": list(reach.ratio),
-            "contrast_bound": reach.contrast,
-            "traced": None,
-            "free_contrast": None,
-        }
-        if best.traced.contrast_low > target:
-            free = Constraint(low, high, FREE_CHANGE, FREE_HARMONICS)
-            start = np.zeros(FREE_HARMONICS + 1)
-            count = min(len(best.series), len(start))
-            start[:count] = best.series[:count]
-            series = find_optimum(start, response, correction, free, Goal(), self.pitch)
-            found["free_contrast"] = predict(series, response, correction).contrast
-        if reach.contrast > target:
-            rows = reach.rows[1 if reach.ratio[1] < 1 else 0]
-            traced = self.trace(rows, "the map of the extreme ratio", len(done))
-            found["traced"] = {
-                "curvature_per_mm": [float(c) for c in rows],
-                "luminance_ratio": traced.luminance_ratio,
-                "paths": traced.paths,
-            }
-        return found
-
     @cached_property
     def response(self) -> Response:
         """The two-scale model of the backlight, estimated on first use."""
-        low, high = self.constraint.curvature_min, self.constraint.curvature_max
-        node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
-        operators = estimate_operators(
-            self.stack,
-            self.groove,
-            self.design.film.base,
-            self.design.film.profile,
-            node,
-            seed=self.design.seed,
-            threads=self.threads,
-            progress=self.progress.stage,
-        )
+        operators = self.estimate(Grid())
         self.model = {
-            "curvatures_per_mm": [float(c) for c in node],
+            "curvatures_per_mm": [float(c) for c in operators.node],
             "film_passages": operators.passages,
             "world_segments": operators.segments,
         }
         self.progress.stage("searching in the model")
         return Response(operators)
+
+    def estimate(self, grid: Grid) -> Operators:
+        """Return the operators of the two-scale model on a grid."""
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
+        return estimate_operators(
+            self.stack,
+            self.groove,
+            self.design.film.base,
+            self.design.film.profile,
+            node,
+            grid=grid,
+            seed=self.design.seed,
+            threads=self.threads,
+            progress=self.progress.stage,
+        )
 
     def _levelled(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return rows at the design's levels of aperture ratio (`ideal`: of curvature)."""
@@ -168,21 +129,26 @@ class DesignWork:
         value = level[np.argmin(np.abs(value[:, None] - level), axis=1)]
         return value if process is None else process.curvature(value)
 
-    def trace(self, rows: NDArray[np.float64], label: str, number: int) -> Traced:
-        """Return what a full trace of the map's mesh says, from the kept traces if it is there."""
-        kept = self.state.find(number, rows)
+    def trace(
+        self, rows: NDArray[np.float64], label: str, number: int, shift: float = 0.0
+    ) -> Traced:
+        """Return what a full trace of the map's mesh says, from the kept traces if it is there.
+
+        The film is shifted against the lamps by `shift` [mm], with the same random numbers.
+        """
+        kept = self.state.find(number, rows, shift)
         if kept is not None:
             return kept
-        self.progress.stage(f"tracing {label}")
+        self.progress.stage(f"tracing {label}" + (f", shifted {shift:g} mm" if shift else ""))
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
             plan = self._plan(folder, rows)
             write_cad(plan, folder, ("stl",), SILENT)
-            traced = self._trace_mesh(folder / "film.stl", plan, number)
-        self.state.keep(number, rows, traced)
+            traced = self._trace_mesh(folder / "film.stl", plan.offset + shift, number)
+        self.state.keep(number, rows, shift, traced)
         return traced
 
-    def _trace_mesh(self, mesh: Path, plan: Plan, number: int) -> Traced:
+    def _trace_mesh(self, mesh: Path, offset: float, number: int) -> Traced:
         from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
         run = TraceRun(
@@ -191,7 +157,7 @@ class DesignWork:
             path_limit=round(self.design.search.paths_million * 1e6),
             progress=self.progress.trace,
         )
-        lit = light_film(self.stack, mesh, plan.offset)
+        lit = light_film(self.stack, mesh, offset)
         found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
         contrast, mean = found.contrast, found.mean_luminance
         return Traced(

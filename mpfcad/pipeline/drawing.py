@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Protocol
 
-from mpfcad.cad import BodyCheck, MeshCheck, StepCheck
-from mpfcad.film import CellFilm, MadeFilm, PrismFilm
+from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
+from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PrismFilm
 from mpfcad.job import CadTable
+from mpfcad.pipeline.height import HEIGHT_FORMATS
 from mpfcad.pipeline.made import Drawn
 
 Check = StepCheck | MeshCheck | BodyCheck
@@ -16,8 +17,6 @@ class Drawing(Protocol):
 
     #: The formats that this kind is written in.
     formats: tuple[str, ...]
-    #: Largest relative difference between the volumes of STL and STEP.
-    volume_tolerance: float
 
     def write(self, path: Path, name: str) -> None:
         """Write the file; `name` is that of the job."""
@@ -25,18 +24,35 @@ class Drawing(Protocol):
     def check(self, path: Path) -> Check:
         """Return what the file holds, once it is found to be the film."""
 
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        """Return how well both agree; `volume` [mm³] is what OCCT found in the STEP."""
+
 
 def drawing_of(film: Drawn, table: CadTable) -> Drawing:
     """Return how a film is drawn."""
     if isinstance(film, PrismFilm):
         return _Designed(film, table)
+    if isinstance(film, FieldPiece):
+        return _Field(film, table)
     return _Made(film, table) if isinstance(film, MadeFilm) else _Cells(film, table)
 
 
-class _Designed:
+class _Exact:
+    """Films whose STEP states surfaces that `check_agreement` knows."""
+
+    #: Largest relative difference between the volumes of STL and STEP.
+    volume_tolerance: float
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad import check_agreement
+
+        return check_agreement(step, stl, volume, self.volume_tolerance)
+
+
+class _Designed(_Exact):
     """Grooves as designed."""
 
-    formats = ("step", "stl", "3mf", "ply")
+    formats = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
     volume_tolerance = 1e-4
 
     def __init__(self, film: PrismFilm, table: CadTable) -> None:
@@ -61,7 +77,7 @@ class _Designed:
         return {".3mf": check_3mf, ".ply": check_ply}[path.suffix](path, self.film)
 
 
-class _Made:
+class _Made(_Exact):
     """Imperfect or measured grooves: one body, by its cross-section."""
 
     formats = ("step", "stl")
@@ -93,10 +109,10 @@ class _Made:
         return check_section_stl(path, self.made.section(self.sliver), self.angle, parabolas)
 
 
-class _Cells:
+class _Cells(_Exact):
     """Pyramids or dishes: one body of patches."""
 
-    formats = ("step", "stl")
+    formats = ("step", "stl", *HEIGHT_FORMATS)
     volume_tolerance = 1e-3
 
     def __init__(self, film: CellFilm, table: CadTable) -> None:
@@ -116,3 +132,33 @@ class _Cells:
         if path.suffix == ".step":
             return check_cell_step(path, self.film)
         return check_cell_stl(path, self.film, self.angle)
+
+
+class _Field:
+    """Grooves whose curvature varies along them: one body of patches."""
+
+    formats = ("step", "stl", *HEIGHT_FORMATS)
+
+    def __init__(self, film: FieldPiece, table: CadTable) -> None:
+        self.film, self.angle = film, table.angle_tolerance
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad import field_mesh, field_step, stl
+
+        if path.suffix == ".step":
+            field_step.write_field_step(self.film, path, name=name)
+        else:
+            stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.field_check import check_field_step, check_field_stl
+
+        if path.suffix == ".step":
+            return check_field_step(path, self.film)
+        return check_field_stl(path, self.film, self.angle)
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad.field_agreement import check_field_agreement
+        from mpfcad.cad.field_check import VOLUME_TOLERANCE
+
+        return check_field_agreement(step, stl, volume, VOLUME_TOLERANCE)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.backlight import read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
-from mpfcad.film import Groove, PrismFilm
+from mpfcad.film import FieldPiece, Groove, PrismFilm
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.measure import (
     Lit,
@@ -45,9 +46,14 @@ class Findings:
         film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
-        without mask the table's C stands in for the mask's; None of a measured surface
+        without mask the map's C stands in for the mask's; where curvatures vary along the grooves,
+        that of their means in the mask from the map's, plus that of the facets from the map's;
+        None of a measured surface
     traced_sha256
         hash of the mesh file as it was traced
+    wanted_ratio
+        (n,) float64, mean aperture ratio that each groove of the panel should have; None without
+        mask
     luminance, baseline
         of this film, and of the conventional stack with a plain BEF
     """
@@ -58,6 +64,7 @@ class Findings:
     agreement: Agreement
     curvature_difference: float | None
     traced_sha256: str
+    wanted_ratio: NDArray[np.float64] | None
     luminance: LuminanceResult
     baseline: LuminanceResult
 
@@ -83,7 +90,8 @@ def examine(
         masks = check_masks(mask, phototool(table), folder, table.formats, progress)
     cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
     step, mesh = cad["step"], cad["stl"]
-    difference = _curvature_difference(plan, masks, mesh)
+    wanted = None if mask is None else mask.wanted_ratio
+    difference = _curvature_difference(plan, masks, mesh, wanted)
     before = sha256(folder / "film.stl")
     with open_checkpoints(progress) as checkpoints:
         run = TraceRun(
@@ -96,14 +104,28 @@ def examine(
         progress.stage("tracing the conventional stack")
         lit = light_baseline(plan.job.cad.angle_tolerance)
         baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-    return Findings(masks, step, mesh, agreement, difference, before, luminance, baseline)
+    return Findings(masks, step, mesh, agreement, difference, before, wanted, luminance, baseline)
 
 
-def _curvature_difference(plan: Plan, masks: dict[str, MaskCheck], mesh: MeshCheck) -> float | None:
+def _curvature_difference(
+    plan: Plan,
+    masks: dict[str, MaskCheck],
+    mesh: MeshCheck,
+    wanted_ratio: NDArray[np.float64] | None,
+) -> float | None:
     """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
     if mesh.curvature is None:
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    if isinstance(plan.drawn, FieldPiece):
+        from mpfcad.cad.field_check import curvature_difference
+
+        # By way of the map: a mask tells the mean ratio of whole grooves, a mesh C at each place.
+        off = 0.0
+        for check in masks.values():
+            means = [plan.process.curvature(r) for r in (check.aperture_ratio, wanted_ratio)]
+            off = max(off, float(np.abs(means[0] - means[1])[piece].max()))
+        return off + curvature_difference(plan.drawn, mesh.curvature)
     if plan.process is None:
         expected = [plan.panel.curvature[piece]]
     else:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film import (
     CellFilm,
+    FieldPiece,
     Groove,
     Imperfection,
     MadeFilm,
@@ -20,7 +21,7 @@ from mpfcad.film import (
 from mpfcad.job import Job
 
 #: What film.step and film.stl hold.
-Drawn = PrismFilm | MadeFilm | CellFilm
+Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece
 
 
 def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:

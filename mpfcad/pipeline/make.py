@@ -9,12 +9,13 @@ from mpfcad.film import MadeFilm
 from mpfcad.job import Job, MaskTable
 from mpfcad.mask import Mask, MaskCheck, Phototool
 from mpfcad.pipeline.drawing import Check, drawing_of
-from mpfcad.pipeline.plan import CURVATURE_FILE, Plan, groove_count
+from mpfcad.pipeline.height import HEIGHT_FORMATS, build_grid
+from mpfcad.pipeline.plan import Plan, groove_count
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.screen import mask_rules
 
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
-CAD_FORMATS = ("step", "stl", "3mf", "ply")
+CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
 #: What `run` makes: the CAD file and the mesh that is traced.
 RUN_CAD_FORMATS = ("step", "stl")
 MASK_PICTURE, MASK_MARKERS = "mask.png", "mask.lyrdb"
@@ -33,12 +34,12 @@ def plan_mask(plan: Plan) -> Mask | None:
     if plan.process is None:
         return None
     rules = mask_rules(plan.job.mask, plan.job.name)
-    return build_mask(plan.panel, plan.process, rules, plan.job.name)
+    return build_mask(plan.field_film or plan.panel, plan.process, rules, plan.job.name)
 
 
 def write_curvature(plan: Plan, folder: Path) -> None:
-    """Write curvature.csv: one row a groove of the panel."""
-    plan.write_curvature(folder / CURVATURE_FILE)
+    """Write curvature.csv, one row a groove of the panel, or curvature.npz of a map C(x, y)."""
+    plan.write_curvature(folder)
 
 
 def phototool(table: MaskTable) -> Phototool:
@@ -93,11 +94,17 @@ def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck]) -> None:
 
 
 def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progress) -> None:
-    """Write film.step, film.stl, film.3mf, film.ply."""
+    """Write film.step, film.stl, film.3mf, film.ply, and height maps."""
+    from mpfcad.cad.height import write_heights
+
     drawing = drawing_of(plan.drawn, plan.job.cad)
     for suffix in formats:
         progress.stage(f"writing film.{suffix}")
-        drawing.write(folder / f"film.{suffix}", plan.job.name)
+        path = folder / f"film.{suffix}"
+        if suffix in HEIGHT_FORMATS:
+            write_heights(build_grid(plan.drawn, plan.job.cad), path, plan.job.name)
+        else:
+            drawing.write(path, plan.job.name)
 
 
 def check_cad(
@@ -112,19 +119,23 @@ def check_cad(
     ExportError
         when a file does not read back as what it should hold.
     """
-    from mpfcad.cad import check_agreement
+    from mpfcad.cad.height import check_heights
 
     drawing = drawing_of(plan.drawn, plan.job.cad)
     checks = {}
     for suffix in formats:
         progress.stage(f"checking film.{suffix}")
-        checks[suffix] = drawing.check(folder / f"film.{suffix}")
+        path = folder / f"film.{suffix}"
+        if suffix in HEIGHT_FORMATS:
+            check_heights(path, build_grid(plan.drawn, plan.job.cad))
+        else:
+            checks[suffix] = drawing.check(path)
     if not {"step", "stl"} <= set(formats):
         return checks, None
     progress.stage("comparing film.step with film.stl")
     volume = sum(checks["step"].bodies.values())
     files = folder / "film.step", folder / "film.stl"
-    return checks, check_agreement(*files, volume, drawing.volume_tolerance)
+    return checks, drawing.compare(*files, volume)
 
 
 def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
@@ -164,8 +175,11 @@ def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
     unknown = [name for name in formats if name not in allowed]
     if unknown:
         raise InputError(f"--format: {unknown[0]}: such a film is written as {', '.join(allowed)}")
-    if plan.job.cad.stl == "tiles" and plan.job.film.cell != "groove":
-        raise InputError(f"{where}: cad.stl: tiles: must be 'whole' for cells")
+    one_piece = plan.job.film.cell != "groove" or plan.field_film is not None
+    if plan.job.cad.stl == "tiles" and one_piece:
+        raise InputError(
+            f"{where}: cad.stl: tiles: must be 'whole' for cells and maps that vary along grooves"
+        )
 
 
 def refuse_unprintable(job: Job, where: str) -> None:

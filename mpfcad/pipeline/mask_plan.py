@@ -68,7 +68,8 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     stack = read_job_stack(job, job_file)
     groove = Groove(job.film.pitch, job.film.depth)
     count = groove_count(stack.panel_width, groove.pitch)
-    film = read_field_film(job, job_file, count, stack.panel_width, stack.panel_length)
+    map_file = job_file.parent / job.map.file
+    film = read_field_film(job, map_file, str(job_file), count, stack)
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
     process = read_job_process(job, calibration, groove, str(job_file))

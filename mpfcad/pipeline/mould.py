@@ -9,7 +9,7 @@ import numpy as np
 from mpfcad.cad.mould import Mould
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
-from mpfcad.film import CellFilm, Imperfection, MadeFilm
+from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm
 from mpfcad.job import Job
 from mpfcad.pipeline.make import write_curvature
 from mpfcad.pipeline.plan import Plan, read_plan
@@ -68,6 +68,11 @@ def make_mould(
 
 def _made(plan: Plan, where: str) -> MadeFilm:
     """Return the piece as made; as designed, it departs by nothing."""
+    if isinstance(plan.drawn, FieldPiece):
+        raise InputError(
+            f"{where}: map.file: {plan.job.map.file}: varies along the grooves too: a mould is "
+            "turned, so the map must vary across them only"
+        )
     if isinstance(plan.drawn, CellFilm):
         raise InputError(f"{where}: film.cell: {plan.job.film.cell}: must be 'groove' for a mould")
     if isinstance(plan.drawn, MadeFilm):

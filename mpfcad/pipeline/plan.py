@@ -20,16 +20,25 @@ from mpfcad.backlight import (
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
+    FieldFilm,
     Groove,
     PrismFilm,
     Process,
     check_curvature,
     read_curvature_map,
     read_process,
+    write_curvature_field,
     write_curvature_map,
 )
 from mpfcad.job import Job, build_job
-from mpfcad.pipeline.field import refuse_field
+from mpfcad.pipeline.field import (
+    FIELD_FILE,
+    cut_window,
+    field_section,
+    has_field,
+    read_field_film,
+    refuse_window,
+)
 from mpfcad.pipeline.made import Drawn, draw_piece, read_measured
 from mpfcad.pipeline.screen import mesh_process
 
@@ -49,11 +58,15 @@ class Plan:
     stack
         the backlight with the film's slot
     panel
-        the film over the whole panel, x from the panel's left edge
+        the film over the whole panel, x from the panel's left edge; where the curvature varies
+        along the grooves too, its section at the piece's lower end
     piece
         the part that film.step and film.stl hold, as designed, cut from `panel`
     drawn
-        what they hold: `piece` itself, or as the job says it is made, or of cells
+        what they hold: `piece` itself, or as the job says it is made, of cells, or of grooves whose
+        curvature varies along them
+    field_film
+        the film over the panel, where its curvature varies along the grooves too
     first_groove
         groove of `panel` that is the first of `piece`
     calibration
@@ -71,6 +84,7 @@ class Plan:
     piece: PrismFilm
     drawn: Drawn
     first_groove: int
+    field_film: FieldFilm | None = None
     calibration: str | None = None
     measured: NDArray[np.float64] | None = None
     input_file: dict[str, Path] = field(default_factory=dict)
@@ -90,13 +104,16 @@ class Plan:
         """Whether a mask can be made."""
         return self.process is not None
 
-    def write_curvature(self, path: Path) -> None:
-        """Write the table of the panel's grooves."""
+    def write_curvature(self, folder: Path) -> None:
+        """Write the table of the panel's grooves, or its map in both directions."""
+        if self.field_film is not None:
+            write_curvature_field(folder / FIELD_FILE, self.field_film.field)
+            return
         ratio = None
         if self.process is not None:
             ratio = self.process.aperture_ratio_of_curvature(self.panel.curvature)
         write_curvature_map(
-            path,
+            folder / CURVATURE_FILE,
             self.panel.groove_position,
             self.panel.curvature,
             groove=self.panel.groove,
@@ -124,7 +141,6 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         when a file or a value in it is wrong.
     """
     job_file = Path(job_file)
-    refuse_field(job, job_file)
     folder = job_file.parent
     files = {
         name: folder / name
@@ -142,15 +158,19 @@ def read_plan(job: Job, job_file: Path) -> Plan:
     groove = Groove(job.film.pitch, job.film.depth)
     process = read_job_process(job, calibration, groove, str(job_file))
     count = groove_count(stack.panel_width, groove.pitch)
-    curvature = _read_map(job, job_file, stack, groove).on_grooves(
-        (np.arange(count) + 0.5) * groove.pitch,
-        stack.lamp_pitch,
-        stack.lamp_position(central_lamp(stack)),
-    )
+    curvature: FieldFilm | NDArray[np.float64]
+    if has_field(job, job_file):
+        curvature = read_field_film(job, folder / job.map.file, str(job_file), count, stack)
+    else:
+        refuse_window(job, str(job_file))
+        curvature = _read_map(job, job_file, stack, groove).on_grooves(
+            (np.arange(count) + 0.5) * groove.pitch,
+            stack.lamp_pitch,
+            stack.lamp_position(central_lamp(stack)),
+        )
+        curvature = _as_written(curvature)
     text = calibration.read_text("utf-8") if calibration else None
-    plan = _build_plan(
-        job, stack, process, _as_written(curvature), read_measured(job, job_file), str(job_file)
-    )
+    plan = _build_plan(job, stack, process, curvature, read_measured(job, job_file), str(job_file))
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
 
 
@@ -194,7 +214,13 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
         process = read_job_process(job, file, groove, str(folder / "verification.json"))
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
-    plan = _build_plan(job, stack, process, read_curvature(folder), measured, str(folder))
+    curvature: FieldFilm | NDArray[np.float64]
+    if (folder / FIELD_FILE).is_file():
+        count = groove_count(stack.panel_width, groove.pitch)
+        curvature = read_field_film(job, folder / FIELD_FILE, str(folder), count, stack)
+    else:
+        curvature = read_curvature(folder)
+    plan = _build_plan(job, stack, process, curvature, measured, str(folder))
     return replace(plan, calibration=text)
 
 
@@ -235,10 +261,17 @@ def _build_plan(
     job: Job,
     stack: Stack,
     process: Process | None,
-    curvature: NDArray[np.float64],
+    curvature: NDArray[np.float64] | FieldFilm,
     measured: NDArray[np.float64] | None,
     where: str,
 ) -> Plan:
+    if isinstance(curvature, FieldFilm):
+        first, window = cut_window(job, curvature, stack, where)
+        if stack.resin_scatters:
+            raise InputError(f"{where}: resin: scatters: the map must not vary along the grooves")
+        panel = field_section(curvature, window.origin[1], job.film.base)
+        piece = panel.cut(first, window.groove_count, window.size[1])
+        return Plan(job, process, stack, panel, piece, window, first, curvature)
     panel = PrismFilm(
         groove=Groove(job.film.pitch, job.film.depth),
         base=job.film.base,

@@ -13,8 +13,9 @@ from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.examine import BASELINE_PRESET, Findings
+from mpfcad.pipeline.field import FIELD_FILE
 from mpfcad.pipeline.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
-from mpfcad.pipeline.plan import Plan, describe_stack
+from mpfcad.pipeline.plan import CURVATURE_FILE, Plan, describe_stack
 from mpfcad.report import Checks, Evidence, build_gates, build_verification
 
 #: What the figures and the files come from, besides mpfcad.
@@ -105,6 +106,9 @@ def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     wanted = plan.panel.curvature
+    if plan.field_film is not None:
+        # What the mask has of a groove is one ratio: the curvature that its mean would give.
+        wanted = plan.process.curvature(findings.wanted_ratio)
     found = {
         name: plan.process.curvature(check.aperture_ratio) for name, check in findings.mask.items()
     }
@@ -152,7 +156,7 @@ def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file that was made before verification.json, by name."""
     masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
     meshes = (PRISM_FILE, *(path.name for path in sorted(folder.glob("stack-*.stl"))))
-    made = (*masks, "film.step", "film.stl", *meshes, "curvature.csv")
+    made = (*masks, "film.step", "film.stl", *meshes, CURVATURE_FILE, FIELD_FILE)
     return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
 
 

@@ -7,6 +7,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.field import refuse_single
 from mpfcad.pipeline.make import (
     RUN_CAD_FORMATS,
     check_cad,
@@ -23,6 +24,7 @@ from mpfcad.pipeline.make import (
 from mpfcad.pipeline.mask_plan import read_mask_plan
 from mpfcad.pipeline.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.repair import repair_mesh
 from mpfcad.pipeline.stack_mesh import write_stack_meshes
 
 VERIFICATION = "verification.json"
@@ -56,6 +58,8 @@ def run_job(
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    if plan.field_film is not None:
+        refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
     with export_folder(out, "run") as folder:
         write_curvature(plan, folder)
@@ -158,11 +162,13 @@ def trace_mesh(
     threads: int | None,
     progress: Progress = SILENT,
     prism: Path | None = None,
+    repair: bool = False,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
     edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
+    With `repair` a mesh that is no solid is repaired into a file beside it, which is traced.
 
     Raises
     ------
@@ -178,6 +184,9 @@ def trace_mesh(
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
+    repaired = None
+    if repair and mesh is not None:
+        mesh, repaired = repair_mesh(mesh, progress)
     progress.stage(f"tracing {mesh or stack}")
     backlight = read_stack(stack, thickness=thickness).with_prism(prism)
     lit = light_film(backlight, mesh, offset)
@@ -189,4 +198,6 @@ def trace_mesh(
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     tables = [{"file": t.name, "sha256": t.sha256} for t in backlight.tables.values()]
     traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
+    if repaired:
+        traced["repaired_from"] = repaired
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

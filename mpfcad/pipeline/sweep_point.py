@@ -193,18 +193,20 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     """Return what a search of the point's map found, if there is one, and the plan with it."""
     from mpfcad.job.design import Design
     from mpfcad.job.reader import validate
+    from mpfcad.pipeline.design_reach import describe_reach
     from mpfcad.pipeline.design_work import DesignWork
 
     if point.design is None:
         return None, point.plan()
     design = validate(Design, point.design, point.where)
     work = DesignWork(design, Path(point.where), folder / "design", threads, SILENT)
-    done = work.search()
+    done = work.search_maps(design.goal.contrast_target)
+    reach = describe_reach(work, done) if design.search.method == "response" else None
     work.write_map(folder / "map.csv", np.array(work.best(done).rows))
     job = {**point.job, "map": {"file": str(folder / "map.csv"), "extent": "pitch"}}
     searched = {
         "series_per_mm": list(work.best(done).series),
-        "paths": sum(one.traced.paths for one in done),
-        "reach": work.reach,
+        "paths": sum(one.paths for one in done),
+        "reach": reach,
     }
     return searched, replace(point, job=job).plan()

@@ -74,7 +74,7 @@ def _result(record: dict[str, Any]) -> str:
             )
         )
     if record["reach"]:
-        facts.append(("luminance between the lamps over that above, by any C in range",
+        facts.append(("luminance between the lamps over that above, found with C in its range",
                       _reach_words(record["reach"])))  # fmt: skip
     return fact_table(facts)
 
@@ -83,10 +83,8 @@ def _reach_words(reach: dict[str, Any]) -> str:
     """Return the extremes that the model gives, and the trace that proves the nearer one."""
     low, high = reach["luminance_ratio"]
     words = f"{low:.4f} … {high:.4f} by the corrected model"
-    if reach["contrast_bound"] == 0:
+    if low <= 1 <= high:
         words += ": they can be made equal"
-    else:
-        words += f": no map has a contrast below {reach['contrast_bound']:.4f}"
     if reach["traced"]:
         words += f"; the map of that extreme, traced: {reach['traced']['luminance_ratio']:.4f}"
     if reach["free_contrast"] is not None:
@@ -94,11 +92,17 @@ def _reach_words(reach: dict[str, Any]) -> str:
             f". Least contrast found for a map of 10 harmonics that may change as steeply as it "
             f"likes: {reach['free_contrast']:.4f}"
         )
+    if reach["contrast_bound"] is not None:
+        words += (
+            f". No map that is the same on both sides of the lamp, steep or not, has a contrast "
+            f"below {reach['contrast_bound']:.4f}: a bound over all of them, by the corrected model"
+        )
     return words
 
 
 def _iterations(record: dict[str, Any]) -> str:
     rows, spent = [], 0
+    moved = record["design"]["constraint"]["registration_mm"]
     for one in record["iterations"]:
         spent += one["paths"]
         curvature, predicted = one["curvature_per_mm"], one["predicted"]
@@ -112,8 +116,13 @@ def _iterations(record: dict[str, Any]) -> str:
                 short(spent / 1e6, 4),
             ]
         )
+        if moved:
+            shifted = one["shifted_lamp_mura_contrast"]
+            rows[-1].append("–" if shifted is None else with_interval(shifted, 4))
     head = ("", "C [1/mm]", "contrast: model", "traced [95 %]", "mean luminance [cd/m²]",
             "paths so far [million]")  # fmt: skip
+    if moved:
+        head += (f"shifted {moved:g} mm, traced",)
     return (
         figure(
             figure_html(curves_figure(record), "curves"),
@@ -126,7 +135,7 @@ def _iterations(record: dict[str, Any]) -> str:
             "Lamp-Mura contrast (L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + "
             "L<sub>min</sub>) of each traced map with its 95 % interval over the paths spent.",
         )
-        + table(head, rows, numeric=(1, 2, 3, 4, 5))
+        + table(head, rows, numeric=range(1, len(head)))
     )
 
 

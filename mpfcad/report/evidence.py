@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
-from mpfcad.film import CellFilm, Imperfection, MadeFilm, PrismFilm
+from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm, PrismFilm
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +21,10 @@ class Evidence:
     stack
         the backlight that was traced
     panel, piece
-        the film over the panel, and its part that film.step and film.stl hold, as designed
+        the film over the panel, and its part that film.step and film.stl hold, as designed; of
+        grooves whose curvature varies along them, the section at the piece's lower end
     drawn
-        what they hold: `piece`, or as it is made, or of cells
+        what they hold: `piece`, or as it is made, of cells, or of grooves that vary along
     first_groove
         groove of the panel that is the first of the piece
     lamp_position
@@ -38,7 +39,7 @@ class Evidence:
     stack: Stack
     panel: PrismFilm
     piece: PrismFilm
-    drawn: PrismFilm | MadeFilm | CellFilm
+    drawn: PrismFilm | MadeFilm | CellFilm | FieldPiece
     first_groove: int
     lamp_position: float
     mask_period: float

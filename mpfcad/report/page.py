@@ -4,10 +4,10 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from mpfcad.report.cad_section import cad_section
 from mpfcad.report.evidence import Evidence
 from mpfcad.report.figure import PRINT_SCRIPT, plotly_script
 from mpfcad.report.section import (
-    cad_section,
     film_section,
     input_section,
     luminance_section,

@@ -4,13 +4,10 @@ from base64 import b64encode
 from html import escape
 from typing import Any
 
-from mpfcad.film import CellFilm
-from mpfcad.report.cell_view import cell_view
-from mpfcad.report.dimension_drawing import draw_dimensions
+from mpfcad.film import CellFilm, FieldPiece
 from mpfcad.report.evidence import Evidence
+from mpfcad.report.field_view import field_figure
 from mpfcad.report.figure import figure_html, film_figure, luminance_figure
-from mpfcad.report.groove_drawing import draw_grooves
-from mpfcad.report.groove_view import groove_view
 from mpfcad.report.mask_drawing import draw_mask
 from mpfcad.report.stack_drawing import draw_stack
 from mpfcad.report.table import fact_table, figure, short, table, with_interval
@@ -105,13 +102,15 @@ def film_section(record: Record, evidence: Evidence) -> str:
             f"directions with C = {evidence.drawn.curvature:g} /mm. The printing process is "
             "calibrated for grooves, so this film has <b>no mask</b>.</p>"
         )
-    if piece.profile == "ideal":
+    if piece.profile == "ideal" and not isinstance(evidence.drawn, FieldPiece):
         words = (
             "<p>The profile is the pure parabola, also below the prism's walls. Resin can only be "
             "added, so this film cannot be printed and has <b>no mask</b>: it needs a mould.</p>"
         )
         figures = film_figure(evidence.position, piece.curvature, piece.curvature, [], None, None)
         return words + figure(figure_html(figures, "film"), "Curvature of each groove.")
+    if isinstance(evidence.drawn, FieldPiece):
+        return _field_words(record, evidence.drawn)
     caveats = "".join(f"<li>{escape(text)}</li>" for text in record["process"]["caveats"])
     limit = piece.groove.curvature_empty
     words = (
@@ -126,6 +125,25 @@ def film_section(record: Record, evidence: Evidence) -> str:
         "C of z = z<sub>0</sub> + C/2 · x² through the tips, and the value a profiler's "
         "least-squares fit reports; fill = resin area / groove area; aperture ratio = open area / "
         "cell area, as read back from the mask file.",
+    )
+
+
+def _field_words(record: Record, film: FieldPiece) -> str:
+    """Return what the curvature is over a piece where it varies along the grooves too."""
+    low, high = film.curvature.min(), film.curvature.max()
+    words = (
+        f"<p>The curvature varies across and along the grooves: C = {low:.4g} … {high:.4g} /mm in "
+        f"the piece of {film.groove_count} grooves, which lies {film.origin[0]:.6g} mm across and "
+        f"{film.origin[1]:.6g} mm along from the panel's corner. "
+    )
+    if record["process"] is None:
+        words += "The profile is the pure parabola, so there is <b>no mask</b>.</p>"
+    else:
+        caveats = "".join(f"<li>{escape(text)}</li>" for text in record["process"]["caveats"])
+        words += f"</p><p>Process: {escape(record['process']['source'])}</p><ul>{caveats}</ul>"
+    return words + figure(
+        figure_html(field_figure(film), "film"),
+        "C of z = z<sub>0</sub> + C/2 · x² through the tips, over the piece that is drawn.",
     )
 
 
@@ -180,72 +198,6 @@ def mask_section(record: Record, evidence: Evidence) -> str:
         + figure(preview, "mask.png, drawn from the file: the whole panel's aperture ratio.")
         + drawing
     )
-
-
-def cad_section(record: Record, evidence: Evidence) -> str:
-    """Return what film.step and film.stl hold, and a few grooves in cross-section."""
-    step, mesh = record["step"], record["mesh"]
-    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
-    rows = [
-        ("both: extent", _extent(evidence)),
-        ("film.step: bodies", bodies),
-        ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
-        ("film.stl: facets", short(mesh["triangle_count"])),
-        ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
-        ("film.stl: facet normals, rms / of the facet nearest to its limit",
-         f"{short(mesh['normal_error_deg_rms'], 3)}° / {short(mesh['normal_error_deg_max'], 3)}°"),
-        ("film.stl: slopes against the profile's secants, rms / of the worst groove",
-         _or_none(mesh["secant_error_deg_rms"], "°") + " / "
-         + _or_none(mesh["secant_error_deg_rms_worst_groove"], "°")),
-        ("film.stl against film.step: largest distance / difference of volume",
-         f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
-         f"{short(record['step_mesh']['volume_difference'], 3)}"),
-        ("mask against film.stl: largest difference of C",
-         _or_none(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
-    ]  # fmt: skip
-    stl = evidence.folder / "film.stl"
-    cells = isinstance(evidence.drawn, CellFilm)
-    shown = cell_view(stl, evidence.drawn) if cells else groove_view(stl, evidence.made)
-    view = figure(
-        figure_html(shown, "grooves"),
-        f"{'Cells' if cells else 'Grooves'} in the middle of the piece in true proportion; turn "
-        "with the mouse. The surface is that of film.stl; the base goes on below.",
-    )
-    what = "A section through the cells' tips" if cells else "The first groove of the piece"
-    drawing = figure(
-        draw_dimensions(evidence.made, 0),
-        f"{what} with its dimensions, to scale. z<sub>0</sub> is the height of the parabola's "
-        "vertex above the valley; contact is where it meets the walls.",
-    )
-    if cells:
-        return fact_table(rows) + view + drawing
-    return (
-        fact_table(rows)
-        + view
-        + drawing
-        + figure(
-            draw_grooves(stl, evidence.made, evidence.shown_groove),
-            "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
-            "from film.stl: prism blue, resin yellow. The base goes on below.",
-        )
-    )
-
-
-def _extent(evidence: Evidence) -> str:
-    """Return size and number of what the CAD files hold, and where it lies on the panel."""
-    place = f"x = 0 is {evidence.piece.origin:.6g} mm from the panel's edge"
-    if isinstance(evidence.drawn, CellFilm):
-        cells = evidence.drawn
-        size = (*cells.size, cells.thickness)
-        number = f"{cells.count[0]} × {cells.count[1]} cells"
-    else:
-        film = evidence.made.film
-        size, number = (film.width, film.length, film.thickness), f"{film.groove_count} grooves"
-    return " × ".join(f"{part:.6g}" for part in size) + f" mm, {number}; {place}"
-
-
-def _or_none(value: float | None, unit: str) -> str:
-    return "not applicable" if value is None else f"{short(value, 3)}{unit}"
 
 
 def _energy_rows(here: dict[str, Any], there: dict[str, Any], prefix: str = "") -> list[list[str]]:

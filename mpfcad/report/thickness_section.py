@@ -57,7 +57,13 @@ def range_words(found: dict[str, Any]) -> list[str]:
         words = [f"No thickness of {span} serves."]
     else:
         words = [f"Least thickness that serves, of {span}: {least:g} mm."]
-    return words + limit_words(found["limit"]) + _help_words(found)
+    words += limit_words(found["limit"])
+    words += [
+        f"At {one['thickness_mm']:g} mm no map of C in the range has a contrast below "
+        f"{one['contrast_bound']:.4f}, by the model corrected by its traces."
+        for one in found["bounds"]
+    ]
+    return words + _help_words(found)
 
 
 def _help_words(found: dict[str, Any]) -> list[str]:

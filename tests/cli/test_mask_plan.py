@@ -89,10 +89,8 @@ def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
     assert {"mask.oas", "screen.json", "manifest.json"} <= names
 
 
-def test_a_2d_map_is_refused_by_what_needs_a_solid(tmp_path):
+def test_a_2d_map_is_refused_by_what_needs_one_section(tmp_path):
     job(tmp_path, FIELD, 'pattern = "dot"\nperiod_um = 50.0\nmin_aperture_um = 9.0')
-    for command in ("run", "cad"):
-        result = mpfcad(command, "job.toml", cwd=tmp_path)
-        refused(result, "map.file: field.npz", "allowed for `mpfcad mask` only")
+    refused(mpfcad("mould", "job.toml", cwd=tmp_path), "map.file: field.npz", "a mould is turned")
     job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
     refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: must be 'panel'")

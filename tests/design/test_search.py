@@ -11,6 +11,8 @@ from mpfcad.design import (
     Goal,
     Traced,
     best_of,
+    bound_contrast,
+    correction_of,
     cosine_basis,
     find_optimum,
     predict,
@@ -20,6 +22,7 @@ from mpfcad.design import (
     series_rows,
 )
 from mpfcad.design.cosine import project
+from mpfcad.design.optimum import contrast_of, map_on_cells
 from mpfcad.design.reach import find_reach
 from mpfcad.design.thesis import invert
 
@@ -110,14 +113,15 @@ class Bench:
         self.response, self.truth = response, Correction(1.02, np.array(relative))
         self.paths = 0
 
-    def __call__(self, rows, label, number):
-        curvature = np.interp(self.response.grid.centre, row_position(), rows)
-        luminance = self.truth.apply(self.response.grid.centre, self.response.luminance(curvature))
-        waves = cosine_basis(self.response.grid.centre, 4)
-        cosine = 2 * luminance @ waves / len(waves)
+    def __call__(self, rows, label, number, shift):
+        centre = self.response.grid.centre
+        curvature = np.interp((centre - shift / PITCH) % 1, row_position(), rows)
+        luminance = self.response.luminance(curvature)
+        luminance = self.truth.apply(centre, luminance, shifted=shift != 0)
         coefficient = [luminance.mean()]
-        for value in cosine[1:]:
-            coefficient += [value, 0.0]
+        for k in range(1, 5):
+            for wave in (np.cos, np.sin):
+                coefficient.append(2 * np.mean(luminance * wave(2 * np.pi * k * centre)))
         contrast = (luminance.max() - luminance.min()) / (luminance.max() + luminance.min())
         self.paths += 1000
         return Traced(contrast, contrast, contrast, luminance.mean(), 0.0, tuple(coefficient), 1000)
@@ -134,6 +138,24 @@ def test_the_search_learns_from_the_trace(lamps):
     assert done[0].traced.contrast > 0.005
     assert best_of(done, Goal()).traced.contrast <= 0.002
     assert len(done) <= 3
+
+
+def test_the_search_traces_the_shifted_map_and_lowers_the_worst(lamps):
+    odd = np.array([0.004, 0.0, 0.0, 0.0])
+    shift, stop = 4.0, {"iterations": 3, "contrast_target": 1e-6}
+    found = []
+    for goal in (Goal(), Goal(registration=shift)):
+        bench = Bench(lamps, RELATIVE)
+        bench.truth = Correction(1.02, np.array(RELATIVE), odd)
+        done = search_by_response(lamps, WIDE, goal, PITCH, bench, **stop)
+        best = best_of(done, goal)
+        moved = bench(np.array(best.rows), "", 0, shift)
+        found.append(max(best.traced.contrast, moved.contrast))
+    assert best.shifted == moved and best.worst.contrast == found[1]
+    assert found[1] < found[0]
+    correction = correction_of(done, lamps, shift / PITCH)
+    assert correction.relative == pytest.approx(RELATIVE, abs=1e-4)
+    assert correction.odd == pytest.approx(odd, abs=1e-4)
 
 
 def test_fewer_traces_than_the_published_method_and_less_contrast(lamps):
@@ -156,7 +178,27 @@ def test_no_map_goes_beyond_the_reach(lamps):
     # Lamps far stronger than the film can hide: the reach says so, and the optimum obeys it.
     truth = Correction(1.0, np.array([0.4, 0.0, 0.0, 0.0]))
     reach = find_reach(lamps, truth, 20.0, 80.0)
-    assert reach.ratio[1] < 1
+    assert reach.ratio[1] < 1 and not reach.overlaps
     best = find_optimum(np.array([50.0, 0, 0, 0]), lamps, truth, WIDE, Goal(), PITCH)
-    assert predict(best, lamps, truth).contrast >= reach.contrast - 1e-3 > 0.05
-    assert find_reach(lamps, Correction.none(), 20.0, 80.0).contrast == 0
+    least = (1 - reach.ratio[1]) / (1 + reach.ratio[1])
+    assert predict(best, lamps, truth).contrast >= least - 1e-3 > 0.05
+    assert find_reach(lamps, Correction.none(), 20.0, 80.0).overlaps
+
+
+def test_no_map_goes_below_the_bound_and_parts_raise_it(lamps):
+    truth = Correction(1.0, np.array([0.4, 0.0, 0.0, 0.0]))
+    rough, fine = (bound_contrast(lamps.operators, truth, 20.0, 80.0, parts) for parts in (1, 9))
+    random = np.random.default_rng(1)
+    half = lamps.grid.cells // 2
+    maps = [np.where(random.random(half) < random.random(), 20.0, 80.0) for _ in range(20)]
+    maps += [random.uniform(20, 80, half) for _ in range(20)]
+    found = [truth.apply(lamps.grid.centre, unsmoothed(lamps, np.r_[m, m[::-1]])) for m in maps]
+    best = find_optimum(np.array([50.0, 0, 0, 0]), lamps, truth, WIDE, Goal(), PITCH)
+    found.append(truth.apply(lamps.grid.centre, unsmoothed(lamps, map_on_cells(best, lamps))))
+    least = min(map(contrast_of, found))
+    assert 0.01 < rough <= fine <= least
+    assert bound_contrast(lamps.operators, Correction.none(), 20.0, 80.0) == pytest.approx(0)
+
+
+def unsmoothed(response, curvature):
+    return response.derivative(curvature, np.zeros((0, len(curvature))))[0]

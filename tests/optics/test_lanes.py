@@ -7,7 +7,7 @@ from numba import njit
 
 from mpfcad.optics import lanes, lanes_array
 from mpfcad.optics.bvh import build_bvh, closest_facets
-from mpfcad.optics.film_lanes import FLOAT_ROWS, WHOLE_ROWS, film_passages
+from mpfcad.optics.film_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.sampling import RNG_SIZE, start_path
 from mpfcad.optics.tile import build_tile
@@ -67,18 +67,19 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     start[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
     alone = np.empty((count, 4))
     pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
-    place = np.zeros((count, 6))
-    place[:, :2], place[:, 3:] = start[:, :2], start[:, 2:]
+    place = np.zeros((count, PLACE_SIZE))
+    place[:, :2], place[:, 3:6] = start[:, :2], start[:, 2:]
     rng = np.zeros((count, RNG_SIZE), np.uint64)
     _starts(rng, 3)
     way = np.zeros(count, np.int64)
     film_passages(
-        tile, 1.5, 1.0, 0.0, np.arange(count), place, np.full(count, int(up)), way, rng,
-        np.zeros((FLOAT_ROWS, lanes.LANES)), np.zeros((WHOLE_ROWS, lanes.LANES), np.int64),
+        tile, 1.5, 1.0, 0.0, np.arange(count), place, way, rng,
+        np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
+        np.zeros((1, lanes.LANES), np.int64),
     )  # fmt: skip
     assert (way == alone[:, 0]).all()
     # The underside turns a ray by one formula alone and by that of all facets in the lanes.
-    assert np.abs(place[:, 3:] - alone[:, 1:]).max() < 1e-9
+    assert np.abs(place[:, 3:6] - alone[:, 1:]).max() < 1e-9
 
 
 def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):

@@ -5,43 +5,14 @@ import re
 import numpy as np
 import pytest
 from harness import BARE, CONCAVE, extruded, row, write_facets
-from manifold3d import triangulate
 from scipy.spatial.transform import Rotation
+from solid import BESIDE, BOW, NOTCH, OVERHANG, SMALL, SPIKE, SQUARE, box, drawn, turned
 
 from mpfcad.errors import InputError
 from mpfcad.optics.crossing_facet import facet_contact
 from mpfcad.optics.crossing_section import extruded_section, section_contact
 from mpfcad.optics.mesh import read_film_mesh, weld
 from mpfcad.optics.mesh_solid import find_fault, is_height_field
-
-
-def drawn(*rings, length=0.1, fan=False):
-    """Return facets of a section drawn along y: outlines anticlockwise in (x, z), holes clockwise.
-
-    fan: the ends of each outline as a fan, which closes what no triangulation does.
-    """
-    facets = []
-    for ring in rings:
-        for p, q in zip(ring, [*ring[1:], ring[0]], strict=True):
-            a, b = (p[0], 0.0, p[1]), (q[0], 0.0, q[1])
-            c, d = (q[0], length, q[1]), (p[0], length, p[1])
-            facets += [(a, c, b), (a, d, c)]
-    flat = np.concatenate(rings)
-    faces = triangulate([np.asarray(ring, float) for ring in rings])
-    if fan:
-        starts = np.cumsum([0] + [len(ring) for ring in rings])
-        faces = [(s, s + k, s + k + 1) for s, ring in zip(starts, rings, strict=False)
-                 for k in range(1, len(ring) - 1)]  # fmt: skip
-    for face in faces:
-        near = [(flat[k][0], 0.0, flat[k][1]) for k in face]
-        facets += [near, [(x, length, z) for x, _, z in near[::-1]]]
-    return np.array(facets)
-
-
-def box(low, high):
-    (x, y, z), (X, Y, Z) = low, high
-    solid = drawn([(x, z), (X, z), (X, Z), (x, Z)], length=Y - y)
-    return solid + np.array([0.0, y, 0.0])
 
 
 def fault(facets):
@@ -51,17 +22,6 @@ def fault(facets):
 def place(text):
     return np.array([float(v) for v in re.search(r"\((.*?)\) mm", text).group(1).split(",")])
 
-
-SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
-SMALL = [(0.25, 0.25), (0.5, 0.25), (0.5, 0.5), (0.25, 0.5)]
-#: Its sides cross.
-BOW = [(0, 0), (1, 0), (0.25, 0.75), (0.5, 1)]
-#: The right-hand edge goes up to 1 and comes back to 0.5 before it goes left.
-SPIKE = [(0, 0), (1, 0), (1, 1), (1, 0.5), (0, 0.5)]
-#: A notch whose corner lies on the underside.
-NOTCH = [(0, 0), (1, 0), (1, 1), (0.5, 0), (0, 1)]
-OVERHANG = [(0, 0), (1, 0), (1, 1), (0.5, 1), (0.75, 0.6), (0.2, 0.5), (0, 1)]
-BESIDE = [(1, 0.25), (2, 0.25), (2, 0.5), (1, 0.5)]
 
 #: Name: outlines, what is said, x and z of the place.
 WRONG = {
@@ -79,13 +39,6 @@ RIGHT = {
     "body in a hole": [SQUARE, SMALL[::-1], [(x / 2 + 0.18, z / 2 + 0.18) for x, z in SMALL]],
     "two": [SQUARE, [(x + 2, z) for x, z in SQUARE]],
 }
-
-
-def turned(facets):
-    """Return the mesh in a general position, where nothing of it is extruded along an axis."""
-    return (
-        Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).apply(facets.reshape(-1, 3)).reshape(-1, 3, 3)
-    )
 
 
 @pytest.mark.parametrize("name", WRONG)

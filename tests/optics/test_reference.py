@@ -2,7 +2,15 @@
 
 import numpy as np
 import pytest
-from harness import BARE, crossed_mesh, film_mesh, groove, single_paths
+from harness import (
+    BARE,
+    SECTIONS,
+    crossed_mesh,
+    film_mesh,
+    groove,
+    section_mesh,
+    single_paths,
+)
 
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.recorder import FLOWS
@@ -27,6 +35,13 @@ def stack(name, folder, accelerator=None):
         film = Film(mesh, 1.55, offset=0.013, accelerator=accelerator)
         return [CAVITY, CLEAR, BOTTOM, film, TOP]
     return [CAVITY, GROOVED, Film(mesh, 1.55, 1.49, accelerator=accelerator), TOP]
+
+
+@pytest.mark.parametrize("accelerator", ["section", "bvh"])
+@pytest.mark.parametrize("name", SECTIONS)
+def test_undercuts_and_several_bodies_equal_the_oracle(tmp_path, name, accelerator):
+    film = Film(section_mesh(tmp_path, name), 1.55, offset=0.013, accelerator=accelerator)
+    compare([Film(film_mesh(tmp_path, MIXED), 1.5), BOTTOM, film], 60, below=1.0)
 
 
 def compare(elements, count, first=0, below=0.0, chaotic=0.0, tilt=(0.0, 0.0), acceptance=0.5):

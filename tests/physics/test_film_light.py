@@ -10,11 +10,13 @@ from harness import (
     BARE,
     CONCAVE,
     PITCH,
+    SECTIONS,
     crossed_mesh,
     even_pyramids,
     film_mesh,
     groove,
     pass_layers,
+    section_mesh,
     within,
 )
 from independent import film_values
@@ -96,11 +98,14 @@ def test_pyramids_against_an_independent_calculation(tmp_path):
     assert ending[0] - endless[0] > 10 * np.hypot(ending[1], endless[1])
 
 
-@pytest.mark.parametrize("name", ["bare", "concave", "pattern", "crossed"])
+@pytest.mark.parametrize("name", ["bare", "concave", "pattern", "crossed", *SECTIONS])
 def test_lambertian_light_passes_as_well_up_as_down(tmp_path, name):
     # Equal étendue on both sides: reciprocity makes both transmittances equal.
     grooves = {"bare": [BARE], "concave": [CONCAVE], "pattern": [groove(c) for c in (20, 57, 75)]}
-    mesh = crossed_mesh(tmp_path) if name == "crossed" else film_mesh(tmp_path, grooves[name])
+    if name in SECTIONS:
+        mesh = section_mesh(tmp_path, name)
+    else:
+        mesh = crossed_mesh(tmp_path) if name == "crossed" else film_mesh(tmp_path, grooves[name])
     scene = build_scene([Film(mesh, 1.55)])
     share = []
     for below in (True, False):

@@ -4,7 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_layers, within
+from harness import (
+    BARE,
+    CONCAVE,
+    crossed_mesh,
+    film_mesh,
+    groove,
+    pass_layers,
+    section_mesh,
+    within,
+)
 
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
@@ -12,6 +21,7 @@ from mpfcad.optics.resin import Resin
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
 
+UNDERCUT, RODS = "rod in an undercut over a void", "rods under grooves"
 PATTERN = [groove(c) for c in (57.0, 30.0, 75.0)]
 CLEAR, DIFFUSING = Slab(1.49, 2.0), Slab(1.49, 2.0, 0.6, 0.0, 0.8)
 BOTTOM, TOP = Sheet(0.36, 1.49, 1.0), Sheet(0.35, 1.49, 1.0)
@@ -62,6 +72,7 @@ def layers(name, folder):
         "backward": [Slab(1.49, 2.0, 1.0, 0.0, -0.7)],
         "film": [film],
         "pyramids": [Film(crossed_mesh(folder), 1.5)],
+        **{n: [Film(section_mesh(folder, n), 1.55)] for n in (UNDERCUT, RODS)},
         "two films": [film, replace(film, rotation=np.pi / 2)],
         "askew, upside down": [BOTTOM, replace(film, rotation=0.5, flipped=True), film],
         "resin": [replace(film, resin=Resin(film_mesh(folder, [BARE]), 60.0, 0.4))],
@@ -72,7 +83,7 @@ def layers(name, folder):
 @pytest.mark.parametrize(
     "name",
     ["sheet", "wide sheet", "clear", "diffusing", "backward", "film", "pyramids",
-     "two films", "askew, upside down", "resin", "conventional",
+     UNDERCUT, RODS, "two films", "askew, upside down", "resin", "conventional",
      "mpf", "mpf-plate"],
 )  # fmt: skip
 def test_lambertian_light_from_both_sides_leaves_lambertian(tmp_path, name):
