@@ -71,7 +71,7 @@ def check_step(path: Path, film: PrismFilm, *, bodies: Bodies = "separate") -> S
     expected = _expected(film, bodies)
     counts = {name: count for name, (count, _) in expected.items()}
     check_text(path, read_step_text(path), film, counts)
-    shapes = read_bodies(path)
+    shapes = read_bodies(path, repair=False)
     if set(shapes) != set(expected):
         raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {sorted(expected)}")
     volumes, worst = {}, 0.0
@@ -125,7 +125,7 @@ def check_one_body(
     units = read_step_text(path).units
     if units != MILLIMETRE:
         raise ExportError(f"{path.name}: length units {sorted(units)}: must all be millimetres")
-    shapes = read_bodies(path)
+    shapes = read_bodies(path, repair=True)
     if set(shapes) != {body}:
         raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {body}")
     check_solids(path, body, shapes[body], 1)

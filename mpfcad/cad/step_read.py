@@ -26,8 +26,11 @@ REPAIRS = (
 )
 
 
-def read_bodies(path: Path) -> dict[str, TopoDS_Shape]:
-    """Return the bodies in the file by name, read with OCCT as they are: nothing is repaired."""
+def read_bodies(path: Path, *, repair: bool) -> dict[str, TopoDS_Shape]:
+    """Return the bodies in the file by name, read with OCCT: as they are, or as OCCT repairs them.
+
+    Edges of patches have curves in the patch that OCCT computes itself; it then has to fit them.
+    """
     from OCP.collections import Sequence_TDF_Label
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.STEPCAFControl import STEPCAFControl_Reader
@@ -42,7 +45,8 @@ def read_bodies(path: Path) -> dict[str, TopoDS_Shape]:
         getattr(reader, f"Set{mode}Mode")(False)
     found = reader.ReadFile(str(path)) == IFSelect_RetDone
     # Reading resets them.
-    reader.SetShapeFixParameters(_without_repairs())
+    if not repair:
+        reader.SetShapeFixParameters(_without_repairs())
     if not found or not reader.Transfer(document):
         raise ExportError(f"{path.name}: OCCT cannot read this file")
     roots = Sequence_TDF_Label()
