@@ -4,8 +4,9 @@
 as users would (*mesh*: all grooves of a lamp's pitch) and, where named, as the best case of a
 renderer (*cell*: two pitches between perfect mirrors). Both figures of a pair are printed with what
 they measure; a goal counts as met only where they differ by less than 5 standard errors and 1 %.
-Peers come from the extra `benchmark`; one that is not installed is named as absent. Mitsuba looks
-for LLVM's library: DRJIT_LIBLLVM_PATH names it.
+raysect gets the cell, and Mitsuba its like for the stack. Peers come from the extra `benchmark`;
+one that is not installed is named as absent. Mitsuba looks for LLVM's library: DRJIT_LIBLLVM_PATH
+names it.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import importlib.util
 import json
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -228,17 +230,65 @@ def stack_rows(folder, quick, present):
     yield entry("    paths traced", rates[0], "k/s", peer=rates[1])
 
 
+def thread_rows(folder, quick, present):
+    """Measure what two threads gain from CPU seconds and waiting, as others use the machine too.
+
+    Two threads are 2 · (CPU seconds of one thread over those of two) · (1 - share of waiting) times
+    as fast on two free cores. A thread waits from the end of one block to the start of its next
+    (for the interpreter's lock), and after its last one until the other has ended. What two busy
+    cores take from each other (a shared cache, one core's two hyperthreads) is not seen where both
+    are busy anyway.
+    """
+    from mpfcad.backlight import read_stack
+    from mpfcad.optics import engine
+    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.source import EYE, Source
+
+    path = film_file(folder / "pitch.stl", [CONCAVE] * GROOVES, length=20.0)
+    stack = read_stack(STACK)
+    scene = build_scene(stack.elements(read_film_mesh(path)))
+    source = Source(EYE, np.linspace(0, 1, 33) * stack.lamp_pitch, 1.0)
+    blocks, kernel, calls = 40 if quick else 160, engine.trace_paths, []
+
+    def timed(*arguments):
+        start = time.perf_counter()
+        kernel(*arguments)
+        calls.append((threading.get_ident(), start, time.perf_counter()))
+
+    engine.trace(scene, source, 1)
+    spending, shares = {1: [], 2: []}, []
+    engine.trace_paths = timed
+    try:
+        for _ in range(7):
+            for threads in (1, 2):
+                calls.clear()
+                _, cpu = spent(lambda n=threads: engine.trace(scene, source, blocks, threads=n))
+                spending[threads].append(cpu)
+            busy = sum(end - start for _, start, end in calls)
+            first, last = min(c[1] for c in calls), max(c[2] for c in calls)
+            shares.append(1 - busy / (2 * (last - first)))
+    finally:
+        engine.trace_paths = kernel
+    share = float(np.median(shares))
+    one, two = (float(np.median(spending[threads])) for threads in (1, 2))
+    gain = 2 * one / two * (1 - share)
+    yield entry("two threads, MPF stack, beside one", gain, "×", ratio=gain, goal=1.9)
+    yield entry("    CPU seconds of two threads and of one", two, "s", peer=one)
+    yield entry("    share of the time that a thread waits, median of 7", share, "")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="fewer paths, smaller meshes")
     parser.add_argument("--json", action="store_true", help="print a list instead of a table")
-    parser.add_argument("--only", help="film, pyramid, closest or stack")
+    parser.add_argument("--only", help="film, pyramid, closest, stack or thread")
     given = parser.parse_args()
     names = ("mitsuba", "raysect", "embreex")
     present = {name: importlib.util.find_spec(name) is not None for name in names}
     rows = []
     with tempfile.TemporaryDirectory() as name:
-        for scene in (film_rows, pyramid_rows, closest_rows, stack_rows):
+        for scene in (film_rows, pyramid_rows, closest_rows, stack_rows, thread_rows):
             if given.only and not scene.__name__.startswith(given.only):
                 continue
             for row in scene(Path(name), given.quick, present):

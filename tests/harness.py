@@ -26,6 +26,14 @@ _BOW = np.linspace(-0.04 / 3, 0.04 / 3, 23)
 CONCAVE = (np.r_[-HALF, _BOW, HALF], np.r_[DEPTH, 0.008 + 30 * _BOW**2, DEPTH])
 
 
+_FLOOR = np.linspace(-0.018, 0.018, 13)
+#: A groove that is wider below than at its mouth, between lands.
+REENTRANT = (
+    np.r_[-HALF, -0.012, _FLOOR, 0.012, HALF],
+    np.r_[DEPTH, DEPTH, 0.005 + 20 * (_FLOOR**2 - 0.018**2), DEPTH, DEPTH],
+)
+
+
 def groove(curvature: float, profile: str = "filled", chords: int = 24):
     """Return (x, z) of a groove whose parabola has C [1/mm] through the tips, x from -w to w."""
     contact = HALF
@@ -167,12 +175,54 @@ def crossed_mesh(
     return read_film_mesh(write_facets(folder / "crossed.stl", facets))
 
 
+def net_mesh(lines, z) -> FilmMesh:
+    """Return the tile over a square net of n `lines` [mm] with the heights z (n, n) [mm]."""
+    lines, z = (np.float32(v).astype(float) for v in (lines, z))
+    x, y = np.meshgrid(lines, lines, indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    a, b = number[:-1, :-1].ravel(), number[1:, :-1].ravel()
+    c, d = number[1:, 1:].ravel(), number[:-1, 1:].ravel()
+    top = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    vertex = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    return FilmMesh(vertex, top, (float(lines[-1]), float(lines[-1]), float(z.max())))
+
+
+def dish_mesh(cells: int = 2, chords: int = 6) -> FilmMesh:
+    """Return a tile of dishes of 50 µm, their tips on the cells' corners."""
+    local = HALF * np.sin(np.linspace(-np.pi / 2, np.pi / 2, chords + 1))
+    start = np.arange(cells)[:, None] * PITCH + HALF
+    lines = np.append((start + local[:-1]).ravel(), cells * PITCH)
+    drop = np.append(np.tile(20 * (HALF**2 - local[:-1] ** 2), cells), 0.0)
+    return net_mesh(lines, 0.175 - drop[:, None] - drop)
+
+
+def pillar_mesh() -> FilmMesh:
+    """Return a tile of 3 by 3 squares of 50 µm, the middle one raised on upright walls."""
+    step, low, high = np.float32([0, 0.05, 0.1, 0.15]).astype(float), 0.15, 0.175
+    facets = []
+
+    def quad(*p):
+        facets.extend([(p[0], p[1], p[2]), (p[0], p[2], p[3])])
+
+    for i in range(3):
+        for j in range(3):
+            z = high if i == j == 1 else low
+            around = ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
+            ring = [(step[a], step[b], z) for a, b in around]
+            quad(*ring)
+            if z == high:
+                foot = [(*p[:2], low) for p in ring]
+                for k in range(4):
+                    quad(foot[k], foot[(k + 1) % 4], ring[(k + 1) % 4], ring[k])
+    vertex, top = np.unique(np.reshape(facets, (-1, 3)), axis=0, return_inverse=True)
+    return FilmMesh(vertex, top.reshape(-1, 3), (float(step[-1]), float(step[-1]), high))
+
+
 def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
     wave = Wave.empty(len(scene.kind), len(flow))
     trace_paths(
         scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
-        np.zeros(len(flow)),
     )  # fmt: skip
 
 

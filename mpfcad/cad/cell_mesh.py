@@ -17,6 +17,8 @@ from mpfcad.units import deg
 
 #: Most facets of a mesh: more are no use to anyone.
 MOST_FACETS = 12_000_000
+#: Widest angle [deg] that is proposed: a job allows up to 5.
+WIDEST = 5.05
 
 
 def build_cell_mesh(film: CellFilm, angle_tolerance: float) -> Mesh:
@@ -25,21 +27,34 @@ def build_cell_mesh(film: CellFilm, angle_tolerance: float) -> Mesh:
     Raises
     ------
     InputError
-        when that takes too many facets.
+        when that takes too many facets: the text says what angle, and how many cells, fit.
     """
-    share = 1.0 if film.shape == "pyramid" else 1 / math.sqrt(2)
-    steps = _profile_steps(film, angle_tolerance * share)
+    steps = _profile_steps(film, angle_tolerance * _share(film))
     pyramid = film.shape == "pyramid"
-    each = 8 * len(steps) if pyramid else 2 * (2 * len(steps) - 2) ** 2
-    facets = each * film.count[0] * film.count[1]
-    if facets > MOST_FACETS:
+    each, cells = _facets_each(film, angle_tolerance), film.count[0] * film.count[1]
+    if each * cells > MOST_FACETS:
+        wider = math.ceil(angle_tolerance / deg * 10) / 10
+        while _facets_each(film, wider * deg) * cells > MOST_FACETS and wider < WIDEST:
+            wider += 0.1
+        hint = f"{wider:.1f} deg, or " if wider < WIDEST else ""
         raise InputError(
             f"film: {film.count[0]} x {film.count[1]} cells at {angle_tolerance / deg:g} deg: "
-            f"{facets / 1e6:.3g} million facets: must be at most {MOST_FACETS / 1e6:g} million: "
-            "allow a wider angle or take fewer cells"
+            f"{each * cells / 1e6:.3g} million facets: must be at most {MOST_FACETS / 1e6:g} "
+            f"million: {hint}{MOST_FACETS // each} cells fit"
         )
     vertices, top = _pyramids(film, steps) if pyramid else _dishes(film, steps)
     return close_top(film.size, vertices, _rim(film, vertices), top)
+
+
+def _share(film: CellFilm) -> float:
+    """Return the share of the angle that one direction may use: a dish bends in both."""
+    return 1.0 if film.shape == "pyramid" else 1 / math.sqrt(2)
+
+
+def _facets_each(film: CellFilm, angle_tolerance: float) -> int:
+    """Return how many facets a cell's top has, within an angle [rad]."""
+    steps = len(_profile_steps(film, angle_tolerance * _share(film)))
+    return 8 * steps if film.shape == "pyramid" else 2 * (2 * steps - 2) ** 2
 
 
 def _profile_steps(film: CellFilm, angle_tolerance: float) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.agreement import DISTANCE_TOLERANCE, Agreement, to_walls
-from mpfcad.cad.mesh_check import read_facets
+from mpfcad.cad.mesh_check import join_corners, read_facets
 from mpfcad.cad.step_text import read_step_text
 from mpfcad.errors import ExportError
 
@@ -97,7 +97,7 @@ def check_field_agreement(
         when they are not the same film.
     """
     corner, _ = read_facets(Path(stl))
-    place = np.unique(corner.reshape(-1, 3), axis=0)
+    place, _ = join_corners(corner)
     limit = float(np.spacing(np.float32(place[:, :2].max()))) + DISTANCE_TOLERANCE
     found = read_step_text(Path(step))
     walls = (np.abs(found.plane_normal[:, [0, 2]]) > 1e-9).all(axis=1)

@@ -1,6 +1,7 @@
 """Read the files of a film whose curvature varies along its grooves back; compare with the film."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from mpfcad.film import FieldPiece
 
 #: Largest relative error of the volume of a mesh (5° facets: 3e-4), and of a solid.
 VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-3, 1e-9
+#: Facets examined at a time.
+BLOCK = 1 << 18
 
 
 def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> MeshCheck:
@@ -38,8 +41,41 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
     check_extent(path, corner, (0, 0, 0), (*film.size, film.thickness))
     facet = select_top(corner)
     step = float(np.spacing(np.float32(film.size[0])))
-    height = float(np.abs(facet[..., 2] - _mesh_height(film, facet)).max())
+    blocks = range(0, len(facet), BLOCK)
+    found = [_examine(film, facet[k : k + BLOCK], angle_tolerance, step) for k in blocks]
+    height = max(part.height for part in found)
     refuse_above(path, "height error [mm]", height, (1 + film.steepest) * 2 * step)
+    worst = max(found, key=lambda part: part.angle / part.allowed)
+    refuse_above(path, "normal error [rad]", worst.angle, worst.allowed)
+    return MeshCheck(
+        True,
+        float(error),
+        VOLUME_TOLERANCE,
+        float(np.sqrt(sum(part.squares for part in found) / len(facet))),
+        None,
+        None,
+        worst.angle,
+        worst.allowed,
+        height,
+        len(corner),
+        recover_curvature(film, facet),
+    )
+
+
+class _Found(NamedTuple):
+    """What was found of some facets; angle and allowed are of the one nearest to its limit."""
+
+    height: float
+    squares: float
+    angle: float
+    allowed: float
+
+
+def _examine(
+    film: FieldPiece, facet: NDArray[np.float64], angle_tolerance: float, step: float
+) -> _Found:
+    """Return the largest error of height [mm] and the angles [rad] of facets, (t, 3, 3)."""
+    height = float(np.abs(facet[..., 2] - _mesh_height(film, facet)).max())
     area = np.cross(facet[:, 1] - facet[:, 0], facet[:, 2] - facet[:, 0])
     middle, corners = _angles(film, facet, area, step)
     # Rounding turns a facet by a step over its narrowest side.
@@ -47,20 +83,8 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
     narrow = np.linalg.norm(area, axis=1) / edge.max(axis=1)
     allowed = angle_tolerance + step * (1 + film.steepest) / narrow
     worst = int(np.argmax(corners / allowed))
-    refuse_above(path, "normal error [rad]", float(corners[worst]), float(allowed[worst]))
-    return MeshCheck(
-        True,
-        float(error),
-        VOLUME_TOLERANCE,
-        float(np.sqrt(np.mean(middle**2))),
-        None,
-        None,
-        float(corners[worst]),
-        float(allowed[worst]),
-        height,
-        len(corner),
-        recover_curvature(film, facet),
-    )
+    squares = float(np.sum(middle**2))
+    return _Found(height, squares, float(corners[worst]), float(allowed[worst]))
 
 
 def _mesh_height(film: FieldPiece, place: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -135,7 +159,7 @@ def recover_curvature(film: FieldPiece, facet: NDArray[np.float64]) -> NDArray[n
     At each station the least-squares C of a groove's corners above its walls, thickness - z =
     C/2 (w² - x²), and linear between; a station without such corners counts as empty.
     """
-    point = np.unique(facet.reshape(-1, 3), axis=0)
+    point = facet.reshape(-1, 3)
     groove, local = film.local(point[:, 0])
     room = (film.groove.half_width - local) * (film.groove.half_width + local)
     drop = film.thickness - point[:, 2]

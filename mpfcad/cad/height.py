@@ -52,12 +52,16 @@ class HeightGrid:
         """Distance of neighbouring points along x and y [mm]."""
         return self.size[0] / (self.shape[1] - 1), self.size[1] / (self.shape[0] - 1)
 
-    def rows(self, first: int, count: int) -> NDArray[np.float32]:
-        """Return heights [mm], (≤ count, nx), from row `first` on; row 0 is at the largest y."""
-        number = np.arange(first, min(first + count, self.shape[0]))
-        y = self.size[1] * (1 - number / (self.shape[0] - 1))
-        x = np.linspace(0.0, self.size[0], self.shape[1])
-        return self.height(*np.meshgrid(x, y)).astype(np.float32)
+    def blocks(self, tile: tuple[int, int]) -> Iterator[tuple[slice, slice, NDArray[np.float32]]]:
+        """Yield rows, columns and heights [mm] there, a tile at a time; row 0 is the largest y."""
+        ny, nx = self.shape
+        for row in range(0, ny, tile[0]):
+            rows = slice(row, min(row + tile[0], ny))
+            y = self.size[1] * (1 - np.arange(rows.start, rows.stop) / (ny - 1))
+            for column in range(0, nx, tile[1]):
+                columns = slice(column, min(column + tile[1], nx))
+                x = self.size[0] * (np.arange(columns.start, columns.stop) / (nx - 1))
+                yield rows, columns, self.height(x[None, :], y[:, None]).astype(np.float32)
 
 
 def build_height_grid(
@@ -131,13 +135,10 @@ def _write_tiff(grid: HeightGrid, path: Path, name: str) -> None:
 
 def _tiles(grid: HeightGrid) -> Iterator[NDArray[np.float32]]:
     """Yield the tiles, row by row of them; beyond the edges they hold zeros."""
-    for first in range(0, grid.shape[0], TILE[0]):
-        rows = grid.rows(first, TILE[0])
-        for left in range(0, grid.shape[1], TILE[1]):
-            tile = np.zeros(TILE, np.float32)
-            inside = rows[:, left : left + TILE[1]]
-            tile[: inside.shape[0], : inside.shape[1]] = inside
-            yield tile
+    for _, _, inside in grid.blocks(TILE):
+        tile = np.zeros(TILE, np.float32)
+        tile[: inside.shape[0], : inside.shape[1]] = inside
+        yield tile
 
 
 def _write_text(grid: HeightGrid, path: Path, name: str) -> None:
@@ -145,9 +146,8 @@ def _write_text(grid: HeightGrid, path: Path, name: str) -> None:
     (ny, nx), (dx, dy) = grid.shape, grid.step
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(f"{nx} {ny} {dx:.12g} {dy:.12g} 0 0 0\n")
-        for row in range(ny):
-            heights = grid.rows(row, 1)[0].tolist()
-            file.write("".join(f"{z:.9g} 0 0 0 0\n" for z in heights))
+        for _, _, heights in grid.blocks((1, nx)):
+            file.write("".join(f"{z:.9g} 0 0 0 0\n" for z in heights[0].tolist()))
 
 
 @dataclass(frozen=True)
@@ -181,9 +181,8 @@ def check_heights(path: Path, grid: HeightGrid) -> HeightCheck:
             f"{path.name}: {found.shape} points, {step} mm apart: must be {grid.shape}, {grid.step}"
         )
     error = 0.0
-    for first in range(0, grid.shape[0], TILE[0]):
-        wanted = grid.rows(first, TILE[0])
-        error = max(error, float(np.abs(found[first : first + TILE[0]] - wanted).max()))
+    for rows, columns, wanted in grid.blocks(TILE):
+        error = max(error, float(np.abs(found[rows, columns] - wanted).max()))
     refuse_above(path, "height error [mm]", error, HEIGHT_TOLERANCE)
     return HeightCheck(grid.shape, error)
 

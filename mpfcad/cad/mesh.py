@@ -2,10 +2,10 @@
 
 The cross-section is a polyline refined by *angle*: a chord of the parabola has the slope of its
 middle, so a facet of width Δx is off by C·Δx/2 at its ends. A binary STL holds float32, of which
-one step is 30 nm at x = 390 mm; so x is rounded first and z is evaluated at the rounded x: the
-corners lie on the true profile. Of the x within a fraction of a facet the one is taken whose z
-rounds best. A half groove without a bare wall to end on is stretched (by at most half a step) to
-end at the rounded tip at full height. The same polyline in float64 is not rounded at all.
+one step is 30 nm at x = 390 mm. So each half groove is moved, as it is, to where its tip is rounded
+to (by at most one step), x is rounded first and z is evaluated at the rounded x: the corners lie on
+the moved profile, and tips have the full height. Of the x within a fraction of a facet the one is
+taken whose z rounds best. The same polyline in float64 is neither moved nor rounded.
 """
 
 import math
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.outline import check_drawable, drawn_contact
-from mpfcad.cad.rounding import settle, stretched_halves, tip_height
+from mpfcad.cad.rounding import round_tips, settle
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg, nm, um
@@ -84,21 +84,17 @@ def build_cross_section(
     check_drawable(film)
     if not (math.isfinite(angle_tolerance) and angle_tolerance > 0):
         raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: must be above 0 deg")
-    # The stretch turns a facet by up to half a step at each end, over half a groove.
-    turn = float(np.spacing(number(film.width))) / film.groove.half_width
-    tolerance = angle_tolerance - turn
     contact = mesh_contact(film)
     reach = np.arctan(film.curvature * contact)
     # A chord may come out one step wider than planned.
     step = np.spacing(film.tip_position[1:].astype(number))
-    room = np.maximum(tolerance - film.curvature * step / 2, angle_tolerance / 4)
+    room = np.maximum(angle_tolerance - film.curvature * step / 2, angle_tolerance / 4)
     pieces = np.maximum(reach / (2 * room), _pieces_for_volume(film, contact))
     pieces = np.where(contact > 0, np.clip(np.ceil(pieces), 1, 10**9), 0).astype(np.int64)
     finest = np.maximum(2 * step, FINEST_CHORD)
-    stretched = stretched_halves(film, contact, step, tolerance)
-    while tolerance > 0 and np.all(pieces * finest <= contact):
-        section, chord, groove = _lay_out(film, contact, reach, pieces, stretched, number)
-        off = np.bincount(groove, chord > tolerance, minlength=film.groove_count) > 0
+    while np.all(pieces * finest <= contact):
+        section, chord, groove = _lay_out(film, contact, reach, pieces, number)
+        off = np.bincount(groove, chord > angle_tolerance, minlength=film.groove_count) > 0
         if not off.any():
             return section
         pieces = pieces + off * np.maximum(pieces // 8, 1)
@@ -128,14 +124,13 @@ def _lay_out(
     contact: NDArray[np.float64],
     reach: NDArray[np.float64],
     pieces: NDArray[np.int64],
-    stretched: NDArray[np.bool_],
     number: type[np.floating],
 ) -> tuple[CrossSection, NDArray[np.float64], NDArray[np.int64]]:
     """Return the polyline with `pieces` chords in each half parabola, and how far each is off.
 
-    `stretched` (n, 2) tells which half grooves end at full height, `number` is the coordinates'
-    type. The second array is the largest angle [rad] between a chord and the parabola at its two
-    ends (0 for a wall), the third the groove of each piece, both (m-1,).
+    `number` is the coordinates' type. The second array is the largest angle [rad] between a chord
+    and the parabola at its two ends (0 for a wall), the third the groove of each piece, both
+    (m-1,).
     """
     half_width = film.groove.half_width
     bare = contact < half_width
@@ -149,18 +144,18 @@ def _lay_out(
     turn = np.divide(np.tan(angle * ratio), np.tan(angle), out=ratio.copy(), where=angle > 1e-9)
     local = np.where(pieces[groove] > 0, turn * contact[groove], 0.0)
     centre = film.groove_position[groove]
-    tips = film.tip_position.astype(number)
-    x = (centre + local).astype(number)
+    tips = round_tips(film, number)
+    moved = tips - film.tip_position
+    # The middle belongs to both halves.
+    middle = corner == pieces[groove]
+    right = local > 0
+    place = centre + np.where(middle, (moved[:-1] + moved[1:])[groove] / 2, moved[groove + right])
+    x = (place + local).astype(number)
     x[start[:-1]] = tips[:-1]
 
-    right = local >= 0
-    end_of_half = tips[groove + right]
-    stretch = np.where(
-        stretched[groove, right.astype(int)], half_width / np.abs(end_of_half - centre), 1.0
-    )
     # A contact point is rounded towards the centre, so that no parabola's chord reaches the wall.
     end = ((corner == 0) | (corner == 2 * pieces[groove])) & bare[groove] & (local != 0)
-    beyond = end & (np.abs(x - centre) * stretch > contact[groove])
+    beyond = end & (np.abs(x - place) > contact[groove])
     x = np.where(beyond, np.nextafter(x, centre.astype(x.dtype)), x)
     parabola = (pieces[groove] > 0) & (corner >= 1 - bare[groove])
     # Chords of equal turn are narrowest where the parabola is flat.
@@ -169,24 +164,27 @@ def _lay_out(
     chord *= 1 + (film.curvature[groove] * local) ** 2
 
     def height(x: NDArray[np.floating], which: NDArray[np.bool_]) -> NDArray[np.float64]:
-        local = (x - centre[which]) * stretch[which]
+        local = x - place[which]
         drop = film.curvature[groove[which]] / 2 * (half_width - local) * (half_width + local)
         return film.thickness - drop
 
-    x = settle(x, parabola, np.where(end, np.sign(local), 0), chord, height)
-    local = (x - centre) * stretch
-    tip_z = tip_height(film, tips, stretched)
-    wall = film.base + film.groove.wall_slope * np.abs(local)
+    x = settle(x, parabola & ~middle & ~end, chord, height)
+    local = x - place
+    # A groove made wider by the moves has its middle deeper down, by each half's own slope there.
+    apart = np.diff(moved)[groove]
+    wall = film.base - film.groove.wall_slope * apart / 2
     z = np.where(parabola, height(x, slice(None)), wall)
-    z[start[:-1]] = tip_z[:-1]
+    z += np.where(parabola & middle, film.curvature[groove] * apart**2 / 8, 0.0)
+    z[start[:-1]] = film.thickness
 
     x = np.append(x, tips[-1])
-    z = np.append(z, tip_z[-1]).astype(x.dtype)
+    z = np.append(z, film.thickness).astype(x.dtype)
     chord = np.arctan2(np.diff(z.astype(float)), np.diff(x.astype(float)))
-    ahead = np.append(local[1:], half_width)
+    # Of the middle, each half has its own x.
+    ahead = np.append((local + np.where(middle, apart / 2, 0.0))[1:], half_width)
     ahead = np.where(start[groove + 1] - 1 == np.arange(start[-1]), half_width, ahead)
     curved = (corner >= 0) & (corner < 2 * pieces[groove])
-    behind = np.where(corner == 0, -np.abs(local), local)
+    behind = np.where(corner == 0, -np.abs(local), local - np.where(middle, apart / 2, 0.0))
     off = np.maximum(
         np.abs(chord - np.arctan(film.curvature[groove] * behind)),
         np.abs(chord - np.arctan(film.curvature[groove] * ahead)),

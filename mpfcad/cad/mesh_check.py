@@ -23,8 +23,8 @@ class MeshCheck:
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
     secant_error_rms
-        rms angle [rad] between a facet and the secant of the film's surface between its two ends;
-        None where the surface bends in both directions
+        rms angle [rad], over the area, between a facet and the secant of the film's surface between
+        its two ends; None where the surface bends in both directions
     secant_error_groove
         the same of the groove where it is largest; None of measured surfaces and of cells
     normal_error_max, normal_error_limit
@@ -38,6 +38,11 @@ class MeshCheck:
         (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls (of
         cells: one value; of grooves that change along: (n, k) at k places); None of a measured
         surface
+    secant_error_max
+        the largest of the angles that `secant_error_rms` is of; None where that is
+    tip_error_max
+        largest distance [mm] of a tip from its place, with its half grooves beside it; 0 where
+        corners are compared in place
     """
 
     watertight: bool
@@ -51,6 +56,8 @@ class MeshCheck:
     height_error_max: float
     triangle_count: int
     curvature: NDArray[np.float64] | None
+    secant_error_max: float | None = None
+    tip_error_max: float = 0.0
 
 
 def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
@@ -87,7 +94,7 @@ def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     misfit = np.linalg.norm(area / size[:, None] - normal, axis=1)
     refuse_above(path, "stored normal against the corners", float(misfit.max()), 1e-5)
 
-    points, faces = _join(corner)
+    points, faces = join_corners(corner)
     mesh = trimesh.Trimesh(points, faces, process=False)
     if not (mesh.is_watertight and mesh.is_winding_consistent):
         raise ExportError(f"{path.name}: not one closed surface: some edges have no pair")
@@ -106,7 +113,7 @@ def check_closed(path: Path, corner: NDArray, normal: NDArray) -> float:
     return float(mesh.volume)
 
 
-def _join(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def join_corners(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the distinct corners (v, 3) and the facets (t, 3) as indices of them.
 
     Only corners of the same bits are one; the three float32 are packed, two at a time, into keys.

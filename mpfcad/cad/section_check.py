@@ -48,7 +48,8 @@ def check_section_stl(
     middle = (left + right) / 2
     piece = section.piece_of(middle)
     area = np.cross(facet[:, 1] - facet[:, 0], facet[:, 2] - facet[:, 0])
-    lean = np.abs(area[:, 1]) / np.linalg.norm(area, axis=1)
+    size = np.linalg.norm(area, axis=1)
+    lean = np.abs(area[:, 1]) / size
     angle = np.arctan2(-area[:, 0], area[:, 2])
     rise = section.height_on(piece, right) - section.height_on(piece, left)
     secant = np.hypot(angle - np.arctan2(rise, right - left), lean)
@@ -67,19 +68,16 @@ def check_section_stl(
         True,
         float(error),
         VOLUME_TOLERANCE,
-        _rms(at_middle),
-        _rms(secant),
+        float(np.sqrt(np.mean(at_middle**2))),
+        float(np.sqrt(np.average(secant**2, weights=size))),
         None,
         float(ends[worst]),
         float(allowed[worst]),
         height,
         len(corner),
         None if film is None else _recover_curvature(film, facet, section.kind[piece] != ARC),
+        float(secant.max()),
     )
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def _recover_curvature(

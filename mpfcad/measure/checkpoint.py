@@ -85,8 +85,8 @@ class Checkpoints:
     def _path(self, case: str) -> Path:
         return self.folder / f"{case[:32]}.npz"
 
-    def read(self, case: str) -> "tuple[Tally, int] | None":
-        """Return (tally, blocks) of a case by its hash, or None when there are none.
+    def read(self, case: str) -> "Tally | None":
+        """Return the tally of a case by its hash, or None when there is none.
 
         Raises
         ------
@@ -101,17 +101,17 @@ class Checkpoints:
         try:
             with np.load(path, allow_pickle=False) as stored:
                 values = dict(stored)
-            blocks, paths = int(values.pop("blocks")), int(values.pop("paths"))
             if str(values.pop("case")) != case:
                 raise ValueError("of another case")
-            tally = Tally(**values, paths=paths)
+            whole = {name: int(values.pop(name)) for name in ("paths", "blocks")}
+            tally = Tally(**values, **whole)
         except Exception as error:
             raise InputError(f"{path}: damaged checkpoint ({error}): delete it") from None
         self._used.add(path)
-        return tally, blocks
+        return tally
 
-    def write(self, case: str, tally: "Tally", blocks: int) -> None:
-        """Keep the tally of a case's first `blocks` blocks."""
+    def write(self, case: str, tally: "Tally") -> None:
+        """Keep the tally of a case's blocks so far."""
         if self.folder is None:
             return
         path = self._path(case)
@@ -120,7 +120,7 @@ class Checkpoints:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with part.open("wb") as file:
-                np.savez(file, case=case, blocks=blocks, **tally._asdict())
+                np.savez(file, case=case, **tally._asdict())
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)

@@ -39,7 +39,7 @@ class LuminanceResult:
     paths
         backward paths traced
     accelerator
-        how the meshes were traced: `chain`, `bvh`, or each way that was taken
+        how the meshes were traced: one of `tile.ACCELERATORS`, or each way that was taken
     """
 
     position_pitch: NDArray[np.float64]

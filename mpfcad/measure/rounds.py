@@ -143,23 +143,22 @@ def trace_rounds(
     case = case_hash(
         {**lit.case, **source._asdict(), "seed": run.seed, "goal": goal, "limit": limit}
     )
-    stored = run.checkpoints.read(case)
-    tally, blocks = stored or (Tally.empty(points, len(FLOWS) + len(lit.elements)), 0)
+    empty = Tally.empty(points, len(FLOWS) + len(lit.elements))
+    tally = run.checkpoints.read(case) or empty
     error, start = float("nan"), tally.total_paths
     while True:
-        if blocks:
+        if tally.blocks:
             error = error_of(tally)
             if error <= goal or tally.total_paths >= limit:
                 break
-        more = max(-(-_LEAST_PATHS // (points * BLOCK)), blocks // 4)
+        more = max(-(-_LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
         state = TraceState(tally.total_paths, limit, error, goal, figure, start)
         watch = _Watch(run.progress, state, points * BLOCK)
         tally = tally + trace(
-            lit.scene, source, more, seed=run.seed, first=blocks, threads=run.threads,
+            lit.scene, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
             after_block=watch.block if run.progress else None,
         )  # fmt: skip
-        blocks += more
-        run.checkpoints.write(case, tally, blocks)
+        run.checkpoints.write(case, tally)
     if run.progress:
         paths = tally.total_paths
         run.progress(TraceState(paths, paths, error, goal, figure, start))

@@ -153,9 +153,12 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, nearest, farthest):
             if mask:
                 store(lane, 0, distance)
                 for i in range(LANES):
-                    if (mask >> i) & 1 and (lane[i] < best or found < 0):
-                        best = lane[i]
-                        found = bvh.facet[number, i]
+                    facet = bvh.facet[number, i]
+                    # Of facets at one distance, the first in the mesh: whatever the tree.
+                    if (mask >> i) & 1 and (
+                        lane[i] < best or (lane[i] == best and (found < 0 or facet < found))
+                    ):
+                        best, found = lane[i], facet
             continue
         box = 6 * node
         near, far = spread(nearest), spread(best)
@@ -213,10 +216,6 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     x += free * dx
     y += free * dy
     z += free * dz
-    # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
-    leave = math.inf
-    if dz != 0.0:
-        leave = ((high if upward else low) - z) / dz + slack / abs(dz)
     for _ in range(1_000_000):
         turn_x = math.floor(x / width) if not 0.0 <= x <= width else 0.0
         turn_y = math.floor(y / length) if not 0.0 <= y <= length else 0.0
@@ -227,6 +226,10 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
         to_x = ((width if dx > 0.0 else 0.0) - x) / dx if dx != 0.0 else math.inf
         to_y = ((length if dy > 0.0 else 0.0) - y) / dy if dy != 0.0 else math.inf
         edge = max(0.0, min(to_x, to_y))
+        # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
+        leave = math.inf
+        if dz != 0.0:
+            leave = ((high if upward else low) - z) / dz + slack / abs(dz)
         reach = min(edge, leave) + slack
         facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, -slack, reach)
         if facet >= 0:
@@ -238,7 +241,6 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
         x += edge * dx
         y += edge * dy
         z += edge * dz
-        leave -= edge
         # Exactly onto the opposite side of the tile.
         if to_x <= edge:
             x = 0.0 if dx > 0.0 else width

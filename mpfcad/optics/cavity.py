@@ -3,7 +3,8 @@
 import math
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.sampling import disk, turn, uniform
+from mpfcad.optics.lanes import any_of, floor, magnitude, root, select
+from mpfcad.optics.sampling import disk, frame, uniform
 
 LAMP, REFLECTOR, OPENING, LOST = range(4)
 #: The columns of a cavity in `Scene.parameter`.
@@ -20,48 +21,40 @@ def lamp_hit(x, z, dx, dz, pitch, position, height, radius, own):
 
     Lamps are cylinders along y of `radius`, axes at z = `height`, x = `position` + i·`pitch`. `own`
     is the number i of the lamp that the ray starts on, which as a convex body it cannot meet again,
-    or `NO_LAMP`. (x, z) and (dx, dz) are the ray's components across.
+    or `NO_LAMP`. (x, z) and (dx, dz) are the ray's components across. One ray or eight; numbers are
+    float64.
     """
     along = dx * dx + dz * dz
-    if along == 0.0:
-        return math.inf, 0.0, 0
+    slanted = (dz > 0.0) | (dz < 0.0)
     # The part of the ray at the lamps' level.
-    near, far = 0.0, math.inf
-    if dz != 0.0:
-        a = (height - radius - z) / dz
-        b = (height + radius - z) / dz
-        near = max(0.0, min(a, b))
-        far = max(a, b)
-    elif abs(z - height) > radius:
-        return math.inf, 0.0, 0
-    if far < 0.0:
-        return math.inf, 0.0, 0
-    start = x + near * dx
-    if dx >= 0.0:
-        i = math.ceil((start - radius - position) / pitch)
-        step = 1
-    else:
-        i = math.floor((start + radius - position) / pitch)
-        step = -1
+    a, b = (height - radius - z) / dz, (height + radius - z) / dz
+    near, far = select(a < b, a, b), select(a < b, b, a)
+    near = select(slanted & (near > 0.0), near, 0.0)
+    far = select(slanted, far, select(magnitude(z - height) > radius, -1.0, math.inf))
+    ahead = dx >= 0.0
+    step = select(ahead, 1.0, -1.0)
+    upright = ahead & (dx <= 0.0)
+    # The number counted along the ray's way.
+    i = step * -floor(((position - x - near * dx) * step + radius) / pitch)
+    speed = magnitude(dx)
+    looking = (along > 0.0) & (far >= 0.0)
+    distance, at, number = along * 0.0 + math.inf, along * 0.0, along * 0.0
     for _ in range(1_000_000):
         centre = position + i * pitch
-        nearest_approach = (centre - step * radius - x) * step
-        if dx == 0.0:
-            if abs(centre - x) > radius:
-                return math.inf, 0.0, 0
-        elif nearest_approach > far * abs(dx):
-            return math.inf, 0.0, 0
-        if i != own:
-            ox, oz = x - centre, z - height
-            b = ox * dx + oz * dz
-            c = ox * ox + oz * oz - radius * radius
-            root = b * b - along * c
-            if b < 0.0 and root >= 0.0:
-                return (-b - math.sqrt(root)) / along, centre, i
-        if dx == 0.0:
-            return math.inf, 0.0, 0
-        i += step
-    return math.inf, 0.0, 0
+        past = (centre - step * radius - x) * step > far * speed
+        past = select(upright, magnitude(centre - x) > radius, past)
+        looking = looking & (past ^ True)
+        if not any_of(looking):
+            break
+        ox, oz = x - centre, z - height
+        b = ox * dx + oz * dz
+        square = b * b - along * (ox * ox + oz * oz - radius * radius)
+        met = looking & ((i > own) | (i < own)) & (b < 0.0) & (square >= 0.0)
+        distance = select(met, (-b - root(select(met, square, 0.0))) / along, distance)
+        at, number = select(met, centre, at), select(met, i, number)
+        looking = looking & ((met | upright) ^ True)
+        i = i + step
+    return distance, at, number
 
 
 @kernel
@@ -75,7 +68,7 @@ def cavity_hit(parameter, x, y, z, dx, dy, dz, own):
     if dz != 0.0:
         to_plane = ((top if dz > 0.0 else 0.0) - z) / dz
     if distance < to_plane:
-        return LAMP, x + distance * dx, y + distance * dy, z + distance * dz, lamp, centre
+        return LAMP, x + distance * dx, y + distance * dy, z + distance * dz, int(lamp), centre
     if to_plane == math.inf:
         return LOST, x, y, z, 0, 0.0
     x += to_plane * dx
@@ -89,14 +82,13 @@ def cavity_hit(parameter, x, y, z, dx, dy, dz, own):
 def lambertian(nx, ny, nz, rng):
     """Return a direction drawn with the cosine to the normal n as density."""
     px, py = disk(rng)
-    cosine = math.sqrt(max(0.0, 1.0 - px * px - py * py))
-    return turn(nx, ny, nz, cosine, math.atan2(py, px))
+    return frame(nx, ny, nz, px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py)))
 
 
 @kernel
 def reflector_direction(specular_fraction, dx, dy, dz, rng):
-    """Return the direction after the reflector: mirrored or Lambertian."""
+    """Return whether the reflector mirrors a ray (else Lambertian), and its direction after."""
     if uniform(rng) < specular_fraction:
-        return dx, dy, -dz
+        return True, dx, dy, -dz
     px, py = disk(rng)
-    return px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))
+    return False, px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))

@@ -53,7 +53,7 @@ def build_chain(mesh: FilmMesh) -> Chain | None:
     """Return the chain of a film mesh, or None where it is not one height drawn along y."""
     if not mesh.underside:
         return None
-    vertex = mesh.vertex[np.unique(mesh.top)]
+    vertex = mesh.vertex[mesh.used]
     length = mesh.size[1]
     if not np.isin(vertex[:, 1], (0.0, length)).all():
         return None

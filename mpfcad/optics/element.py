@@ -116,7 +116,7 @@ class Film:
     offset
         x [mm] in the scene of the tile's left edge, before the film is turned by `rotation`
     accelerator
-        None to choose from the mesh, or `chain` or `bvh`
+        None to choose from the mesh, or one of `tile.ACCELERATORS`
     rotation
         angle [rad] by which the film is turned about z through the scene's origin: π/2 is crossed
     flipped

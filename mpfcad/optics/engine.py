@@ -12,8 +12,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numba import njit, uint64
 
-from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.element import FILM
+from mpfcad.optics.cavity import BRDF, NO_LAMP
+from mpfcad.optics.cavity_lanes import cavity_passages
+from mpfcad.optics.element import CAVITY, FILM
 from mpfcad.optics.film import (
     COSINE,
     FLIPPED,
@@ -26,29 +27,32 @@ from mpfcad.optics.film import (
     out_of_film,
 )
 from mpfcad.optics.film_lanes import film_passages
+from mpfcad.optics.grid_lanes import grid_passages
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES
+from mpfcad.optics.net import NET
 from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
-from mpfcad.optics.sampling import start_path
+from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.source import LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
-from mpfcad.optics.tile import CHAIN
+from mpfcad.optics.tile import CHAIN, GRID
 from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one point in one block.
-BLOCK = 512
+BLOCK = NET
 
 
 @kernel
 def _begin(scene, source, seed, stream, path, slot, number, wave):
     """Put a new path into a slot and before its first element."""
     rng = wave.rng[slot]
-    start_path(rng, seed, stream, path)
-    point = path % uint64(len(source.position))
+    points = uint64(len(source.position))
+    start_net_path(rng, seed, stream, path, points)
+    point = path % points
     e, up, x, y, z, dx, dy, dz, lamp = start_ray(scene, source, point, rng)
     place = wave.place[slot]
     place[0], place[1], place[2], place[3], place[4], place[5] = x, y, z, dx, dy, dz
@@ -82,9 +86,31 @@ def _pass_queue(scene, e, rays, wave):
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
         # Resin that scatters is followed ray by ray.
-        if tile.accelerator == CHAIN and scene.parameter[e, SCATTERING] == 0.0:
+        if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             return
+    if scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
+        _pass_cavity(scene, rays, wave)
+        return
+    _pass_one_by_one(scene, e, rays, wave)
+
+
+@kernel
+def _pass_cavity(scene, rays, wave):
+    """Follow rays through an endless cavity; those that start on its lamps one by one."""
+    count = 0
+    for i in range(len(rays)):
+        if wave.lamp[rays[i]] == NO_LAMP:
+            rays[count], rays[i] = rays[i], rays[count]
+            count += 1
+    for i in range(0, count, LANES):
+        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave)
+    _pass_one_by_one(scene, 0, rays[count:], wave)
+
+
+@kernel
+def _pass_one_by_one(scene, e, rays, wave):
+    """Follow rays through an element of any kind."""
     for slot in rays:
         p = wave.place[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
@@ -98,7 +124,7 @@ def _pass_queue(scene, e, rays, wave):
 
 @kernel
 def _pass_film(tile, film, rays, wave):
-    """Follow rays through an extruded film as it lies in the stack."""
+    """Follow rays, eight at a time, through a film as it lies in the stack."""
     placed = film[COSINE] != 1.0 or film[FLIPPED] != 0.0
     if placed:
         for slot in rays:
@@ -107,10 +133,16 @@ def _pass_film(tile, film, rays, wave):
                 film, tile.width, wave.upward[slot] != 0, p[0], p[1], p[3], p[4], p[5]
             )
             wave.upward[slot] = 1 if up else 0
-    film_passages(
-        tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-        rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
-    )  # fmt: skip
+    if tile.accelerator == GRID:
+        grid_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.upward, wave.way, wave.rng,
+        )  # fmt: skip
+    else:
+        film_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
+        )  # fmt: skip
     if placed:
         for slot in rays:
             p = wave.place[slot]
@@ -150,11 +182,11 @@ def _go_on(scene, e, slot, wave):
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2):
+def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 
-    Paths go round the points. flow, flow2 (f,) get the sums of where the weights went and of their
-    squares; `wave` is scratch. A scene without elements has no paths.
+    Paths go round the points. flow (f,) gets the sums of where the weights went; `wave` is scratch.
+    A scene without elements has no paths.
     """
     started = 0
     freed = wave.freed
@@ -180,7 +212,6 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, flow2)
             radiance[wave.path[slot]] = wave.radiance[slot]
             for f in range(len(flow)):
                 flow[f] += wave.once[slot, f]
-                flow2[f] += wave.once[slot, f] * wave.once[slot, f]
             freed[free] = slot
             free += 1
 
@@ -205,13 +236,14 @@ def trace(
 
     def one(block: int) -> Tally:
         radiance = np.empty((BLOCK, points))
-        flow, flow2 = np.zeros(flows), np.zeros(flows)
+        flow = np.zeros(flows)
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),
             np.uint64(block * radiance.size), Wave.empty(len(scene.kind), flows),
-            radiance.reshape(-1), flow, flow2,
+            radiance.reshape(-1), flow,
         )  # fmt: skip
-        return Tally(radiance.sum(axis=0), (radiance**2).sum(axis=0), flow, flow2, BLOCK)
+        score = radiance.sum(axis=0)
+        return Tally(score, (radiance**2).sum(axis=0), score**2, flow, flow**2, BLOCK, 1)
 
     total = Tally.empty(points, flows)
     with ThreadPoolExecutor(threads) as pool:

@@ -195,6 +195,17 @@ def bits(typingctx, mask):
 
 
 @intrinsic
+def count_of(typingctx, mask):
+    """Return in how many lanes the mask holds."""
+
+    def lower(context, builder, sig, args):
+        packed = builder.bitcast(args[0], ir.IntType(LANES))
+        return builder.zext(builder.ctpop(packed), ir.IntType(64))
+
+    return types.int64(mask), lower
+
+
+@intrinsic
 def any_of(typingctx, mask):
     """Return whether the mask holds in any lane."""
 
@@ -205,6 +216,18 @@ def any_of(typingctx, mask):
         return builder.icmp_unsigned("!=", packed, packed.type(0))
 
     return types.boolean(mask), lower
+
+
+@intrinsic
+def reversed_bits(typingctx, x):
+    """Return the 64 bits of a whole number, or of eight, in reverse order."""
+    kind = I8 if x == I8 else types.uint64
+
+    def lower(context, builder, sig, args):
+        suffix = "v8i64" if kind == I8 else "i64"
+        return _call(builder, f"llvm.bitreverse.{suffix}", args[0].type, [args[0]])
+
+    return kind(kind), lower
 
 
 def _convert(emit, source: Lanes, result: Lanes):

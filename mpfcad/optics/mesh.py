@@ -42,6 +42,13 @@ class FilmMesh:
     size: tuple[float, float, float]
     underside: bool = True
 
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which vertices `top` has, (v,)."""
+        used = np.zeros(len(self.vertex), bool)
+        used[self.top] = True
+        return used
+
 
 def read_film_mesh(path: Path) -> FilmMesh:
     """Return the film tile of a binary STL file (coordinates in mm).
@@ -174,7 +181,7 @@ def _rim(side: NDArray[np.int64], top: NDArray[np.int64], count: int) -> NDArray
     edges = (facet.ravel() * count + np.roll(facet, -1, axis=1).ravel() for facet in (side, top))
     along, across = edges
     back = across % count * count + across // count
-    rim = np.intersect1d(along, back)
+    rim = np.intersect1d(along, back, assume_unique=True)
     return np.stack([rim // count, rim % count], axis=1)
 
 
@@ -183,6 +190,9 @@ def _check_repeats(
 ) -> None:
     """Raise unless opposite sides of the tile end along the same lines, the film within both."""
     lines = [vertex[rim][..., (1 - axis, 2)].reshape(-1, 4) for rim in (rims[0], rims[1][:, ::-1])]
+    ordered = [line[np.lexsort(line.T)] for line in lines]
+    if ordered[0].shape == ordered[1].shape and (ordered[0] == ordered[1]).all():
+        return
     lines = [np.ascontiguousarray(line).view([("", float)] * 4).ravel() for line in lines]
     only = [np.setdiff1d(lines[i], lines[1 - i]) for i in (0, 1)]
     for i, left_over in enumerate(only):
@@ -202,8 +212,11 @@ def _check_apart(
     top: NDArray[np.int64], rim: NDArray[np.int64],
 ) -> None:  # fmt: skip
     """Raise where a body only just reaches a side of the tile, and so touches its own copy."""
-    used = np.unique(top)
-    alone = np.setdiff1d(used[vertex[used, axis] == plane], rim)
+    lone = np.zeros(len(vertex), bool)
+    lone[top] = True
+    lone &= vertex[:, axis] == plane
+    lone[rim] = False
+    alone = np.flatnonzero(lone)
     if len(alone):
         raise InputError(
             f"{path}: mesh: touches its copy in the next tile at {at(vertex[alone[0]])}: "

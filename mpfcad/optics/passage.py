@@ -20,6 +20,7 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
+from mpfcad.optics.direct import ALL_COUNTED, NONE_COUNTED, direct_light
 from mpfcad.optics.element import BSDF, CAVITY, SHEET, SLAB
 from mpfcad.optics.film import placed_film_passage
 from mpfcad.optics.kernel import kernel
@@ -48,6 +49,7 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     parameter = scene.parameter[0]
     finite = len(scene.lamp) > 0
     radiance = 0.0
+    first, last = NONE_COUNTED
     for _ in range(_MOST_MEETINGS):
         if finite:
             what, x, y, z, number, centre = panel_hit(
@@ -59,7 +61,9 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             return x, y, dx, dy, dz, weight, radiance
         if what == LAMP:
             luminance = parameter[LAMP_LUMINANCE] * (scene.lamp[number, FACTOR] if finite else 1.0)
-            radiance += weight * luminance
+            if not first <= number <= last:
+                radiance += weight * luminance
+            first, last = NONE_COUNTED
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
             lamp = number
@@ -76,7 +80,15 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
                 dz = abs(dz)
             else:
                 weight *= parameter[REFLECTANCE]
-                dx, dy, dz = reflector_direction(parameter[SPECULAR_FRACTION], dx, dy, dz, rng)
+                if not finite:
+                    share, nearest = direct_light(parameter, x, dx, dz)
+                    radiance += weight * share * parameter[LAMP_LUMINANCE]
+                    first, last = int(nearest) - 1, int(nearest) + 1
+                mirrored, dx, dy, dz = reflector_direction(
+                    parameter[SPECULAR_FRACTION], dx, dy, dz, rng
+                )
+                if mirrored and not finite:
+                    first, last = ALL_COUNTED
             flow[FLOW_ELEMENTS] += before - weight
         elif what in (WALL_ACROSS, WALL_ALONG):
             flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 FLOWS = ("up", "down", "lost", "roulette", "lamps", "walls", "rim")
 FLOW_UP, FLOW_DOWN, FLOW_LOST, FLOW_ROULETTE, FLOW_LAMPS, FLOW_WALLS, FLOW_RIM = range(len(FLOWS))
 FLOW_ELEMENTS = len(FLOWS)
+_SHARED = 30
 
 
 class Tally(NamedTuple):
@@ -17,25 +18,28 @@ class Tally(NamedTuple):
 
     Attributes
     ----------
-    score, score2
-        (p,) float64, sum of the paths' radiance and of its square, a point
+    score, score2, block2
+        (p,) float64, sum of the paths' radiance, of its square and of the squares of the blocks'
+        sums, a point
     flow, flow2
         (f,) float64, sum of the weights (start: 1 a path) that ended as each of `FLOWS` and in each
-        element, and of their squares
-    paths
-        paths a point
+        element, and of the squares of the blocks' sums
+    paths, blocks
+        paths a point; in how many blocks of equal size
     """
 
     score: NDArray[np.float64]
     score2: NDArray[np.float64]
+    block2: NDArray[np.float64]
     flow: NDArray[np.float64]
     flow2: NDArray[np.float64]
     paths: int
+    blocks: int
 
     @classmethod
     def empty(cls, points: int, flows: int) -> "Tally":
         """Return a tally of no paths."""
-        return cls(np.zeros(points), np.zeros(points), np.zeros(flows), np.zeros(flows), 0)
+        return cls(*(np.zeros(n) for n in (points, points, points, flows, flows)), 0, 0)
 
     def __add__(self, other: "Tally") -> "Tally":
         """Return the tally of both."""
@@ -53,8 +57,22 @@ class Tally(NamedTuple):
 
     @property
     def radiance_error(self) -> NDArray[np.float64]:
-        """Standard error of `radiance`, (p,) float64 [cd/m²]."""
-        return _error(self.score, self.score2, self.paths)
+        """Standard error of `radiance`, (p,) float64 [cd/m²].
+
+        Paths of a block are a net, so the blocks' means scatter less than their paths do: by a
+        ratio of variances that every point has of its own, and alike at all. Few blocks tell it
+        badly, so a point's is averaged with that of all points, which counts as `_SHARED` blocks.
+        Of a single block the paths' own variance is taken, which is too large.
+        """
+        paths, blocks = self.paths, self.blocks
+        variance = np.maximum(0.0, self.score2 / paths - self.radiance**2)
+        if blocks == 1:
+            return np.sqrt(variance / max(1, paths - 1))
+        of_blocks = _variance(self.score, self.block2, blocks) * blocks / paths
+        ratio = of_blocks / np.where(variance > 0, variance, np.inf)
+        shared = ratio.sum() / max(1, np.count_nonzero(variance))
+        ratio = (blocks * ratio + _SHARED * shared) / (blocks + _SHARED)
+        return np.sqrt(ratio * variance / paths)
 
     @property
     def fraction(self) -> NDArray[np.float64]:
@@ -63,11 +81,11 @@ class Tally(NamedTuple):
 
     @property
     def fraction_error(self) -> NDArray[np.float64]:
-        """Standard error of `fraction`, (f,) float64."""
-        return _error(self.flow, self.flow2, self.total_paths)
+        """Standard error of `fraction`, (f,) float64, from the blocks' spread; two at least."""
+        variance = _variance(self.flow, self.flow2, self.blocks)
+        return np.sqrt(self.blocks * variance) / self.total_paths
 
 
-def _error(total: NDArray[np.float64], squares: NDArray[np.float64], count: int) -> NDArray:
-    mean = total / count
-    variance = np.maximum(0.0, squares / count - mean**2)
-    return np.sqrt(variance / max(1, count - 1))
+def _variance(total: NDArray[np.float64], squares: NDArray[np.float64], count: int) -> NDArray:
+    """Return the variance of values by their sum and the sum of their squares."""
+    return np.maximum(0.0, squares - total**2 / count) / (count - 1)

@@ -15,14 +15,16 @@ def cavity_passage(
     if cavity.panel:
         return _panel_passage(cavity, place, d, weight, rng)
     x, y, z = place[0], place[1], cavity.height
-    total, own = 0.0, None
+    total, own, counted = 0.0, None, range(0)
     while weight > 0:
         distance, lamp = _lamp(cavity, x, z, d, own)
         plane = ((cavity.height if d[2] > 0 else 0.0) - z) / d[2]
         step = min(distance, plane)
         x, y, z = x + step * d[0], y + step * d[1], z + step * d[2]
         if distance < plane:
-            total += weight * cavity.lamp_luminance
+            if lamp not in counted:
+                total += weight * cavity.lamp_luminance
+            counted = range(0)
             weight *= cavity.lamp_reflectance
             centre = cavity.lamp_position + lamp * cavity.lamp_pitch
             normal = (
@@ -34,8 +36,14 @@ def cavity_passage(
             break
         else:
             z, own = 0.0, None
+            mirrored = (d[0], d[1], -d[2])
             d, kept = _reflector(cavity, d, rng)
             weight *= kept
+            if cavity.brdf is None:
+                share, counted = _direct(cavity, x, mirrored)
+                total += weight * share * cavity.lamp_luminance
+                if d == mirrored:
+                    counted = range(-10_000, 10_000)
         weight = roulette(weight, rng)
     return True, (x, y, 0.0), d, weight, total
 
@@ -51,14 +59,37 @@ def _reflector(cavity: Cavity, d: Vector, rng: Philox) -> tuple[Vector, float]:
     return (px, py, math.sqrt(1 - px * px - py * py)), cavity.reflectance
 
 
+def _direct(cavity: Cavity, x: float, mirrored: Vector) -> tuple[float, range]:
+    """Return the share of a ray's reflected light that lamps send there, and which lamps it holds.
+
+    Lambertian part: half the sines' difference over the union of three lamps' angles.
+    """
+    nearest = round((x - cavity.lamp_position) / cavity.lamp_pitch)
+    seen = []
+    for number in range(nearest - 1, nearest + 2):
+        across = cavity.lamp_position + number * cavity.lamp_pitch - x
+        angle = math.atan2(across, cavity.lamp_height)
+        half = math.asin(cavity.lamp_radius / math.hypot(across, cavity.lamp_height))
+        seen.append((angle - half, angle + half))
+    view, past = 0.0, -math.pi
+    for low, high in sorted(seen):
+        if high > past:
+            view += (math.sin(high) - math.sin(max(low, past))) / 2
+            past = high
+    hit = _lamp(cavity, x, 0.0, mirrored, None)[1] is not None
+    share = (1 - cavity.specular_fraction) * view + cavity.specular_fraction * hit
+    return share, range(nearest - 1, nearest + 2)
+
+
 def _lamp(
     cavity: Cavity, x: float, z: float, d: Vector, own: int | None
 ) -> tuple[float, int | None]:
-    """Return (distance, number) of the nearest lamp among those within 40 pitches."""
+    """Return (distance, number) of the nearest lamp among all under the ray's way to a plane."""
     best, lamp = math.inf, None
-    middle = round((x - cavity.lamp_position) / cavity.lamp_pitch)
+    end = x + ((cavity.height if d[2] > 0 else 0.0) - z) / d[2] * d[0]
+    low, high = ((v - cavity.lamp_position) / cavity.lamp_pitch for v in sorted((x, end)))
     along = d[0] ** 2 + d[2] ** 2
-    for number in range(middle - 40, middle + 41):
+    for number in range(math.floor(low) - 1, math.ceil(high) + 2):
         if number == own:
             continue
         ox = x - (cavity.lamp_position + number * cavity.lamp_pitch)

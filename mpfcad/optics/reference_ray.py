@@ -3,28 +3,55 @@
 import math
 from collections.abc import Sequence
 
+from mpfcad.optics.net import DIMENSIONS, NET, direction_numbers
+
+_ALL = 2**64 - 1
 Vector = tuple[float, float, float]
 
 
 class Philox:
-    """Philox4x32-10 in Python integers, counted by (draw, stream, path)."""
+    """Philox4x32-10 in Python integers, counted by (draw, stream, path).
 
-    def __init__(self, seed: int, stream: int, path: int) -> None:
+    With `points`, the first numbers are those of the path's net, one for each point of the meter.
+    """
+
+    def __init__(self, seed: int, stream: int, path: int, points: int = 0) -> None:
         self.key = (seed & 0xFFFFFFFF, seed >> 32)
         self.tail = [stream, path & 0xFFFFFFFF, path >> 32]
         self.block = 0
         self.ready: list[float] = []
+        if points:
+            turn, point = divmod(path, points)
+            net, index = divmod(turn, NET)
+            self.ready = self._of_net(stream, net * points + point, index)
 
     def __call__(self) -> float:
         """Return the next number in [0, 1)."""
         if not self.ready:
-            a, b, c, d = self._words()
+            a, b, c, d = self._words([self.block, *self.tail])
             self.block += 1
             self.ready = [((a << 32 | b) >> 11) * 2.0**-53, ((c << 32 | d) >> 11) * 2.0**-53]
         return self.ready.pop(0)
 
-    def _words(self) -> list[int]:
-        word = [self.block, *self.tail]
+    def _of_net(self, stream: int, net: int, index: int) -> list[float]:
+        a, b, _, _ = self._words([0xFFFFFFFF, stream, net & 0xFFFFFFFF, net >> 32])
+        key, numbers = (a << 32 | b) // NET * NET, []
+        for dimension in range(DIMENSIONS):
+            digits, seed = 0, (key + dimension * 0x9E3779B97F4A7C15) & _ALL
+            for bit, number in enumerate(direction_numbers(dimension)):
+                if index >> bit & 1:
+                    digits ^= number
+            for shift, factor in ((32, 0xBF58476D1CE4E5B9), (29, 0x94D049BB133111EB), (32, 1)):
+                seed = (seed ^ seed >> shift) * factor & _ALL
+            x = int(f"{digits:010b}"[::-1], 2)
+            x ^= x * 0x6C50B47C3D20ADEA & _ALL
+            x = (x + seed) * (seed >> 32 | 1) & _ALL
+            for even in (0x2F1C9D6405526C56, 0x1D8E4E2753A22864):
+                x ^= x * even & _ALL
+            numbers.append((int(f"{x:064b}"[::-1], 2) >> 11) * 2.0**-53)
+        return numbers
+
+    def _words(self, word: list[int]) -> list[int]:
         k0, k1 = self.key
         for _ in range(10):
             p0, p1 = 0xD2511F53 * word[0], 0xCD9E8D57 * word[2]

@@ -1,12 +1,13 @@
-"""Counter-based random numbers and the directions drawn with them.
+"""Random numbers and the directions drawn with them: Philox, and first those of a net.
 
 Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11) keyed by the seed
 and counted by (draw, stream, path): a path's numbers depend on nothing else, so results are the
-same at any thread count and block size.
+same at any thread count. A path of a net (`net`) has its first draws from there.
 
 A generator is an (8,) uint64 array `rng`: low and high word of the seed, low and high word of the
 path, the stream, the next block of draws, the second number of the last block, and whether that is
-unused.
+unused. Blocks -8 … -1, modulo 2^64, are the draws from the net; until then the place of the second
+number holds the net's key and, in its lowest bits, the point's index in it.
 """
 
 import math
@@ -16,7 +17,8 @@ from numba import uint64
 
 from mpfcad.optics.circle import circle
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import root
+from mpfcad.optics.lanes import copy_sign, root
+from mpfcad.optics.net import DIMENSIONS, NET, net_bits
 
 _M0 = np.uint64(0xD2511F53)
 _M1 = np.uint64(0xCD9E8D57)
@@ -26,6 +28,10 @@ _LOW = np.uint64(0xFFFFFFFF)
 _32 = np.uint64(32)
 _11 = np.uint64(11)
 _TO_UNIT = 2.0**-53
+_NET = np.uint64(NET)
+_DIMENSIONS = np.uint64(DIMENSIONS)
+#: The draw's place in the counter of the numbers that nets are scrambled by.
+KEYS = _LOW
 
 KEY0, KEY1, PATH0, PATH1, STREAM, BLOCK, SPARE, HAS_SPARE = range(8)
 RNG_SIZE = 8
@@ -59,8 +65,34 @@ def start_path(rng, seed, stream, path):
 
 
 @kernel
+def start_net_path(rng, seed, stream, path, points):
+    """Set `rng` to the first draw of a path whose block is a net, one for each of `points`.
+
+    Paths go round the points; `NET` rounds are a block.
+    """
+    start_path(rng, seed, stream, path)
+    turn = path // points
+    block = turn // _NET
+    net = block * points + path % points
+    a, b, _, _ = philox4x32(KEYS, stream, net & _LOW, net >> _32, rng[KEY0], rng[KEY1])
+    rng[SPARE] = (((a << _32) | b) & ~(_NET - uint64(1))) | (turn % _NET)
+    rng[BLOCK] = uint64(0) - _DIMENSIONS
+
+
+@kernel
+def net_number(spare, block):
+    """Return the 64 bits of a draw from a net by a generator's two entries (or eight of each)."""
+    index = spare & (_NET - uint64(1))
+    return net_bits(spare ^ index, index, block + _DIMENSIONS)
+
+
+@kernel
 def uniform(rng):
     """Return the path's next number, uniform in [0, 1) with 53 bits."""
+    if rng[BLOCK] > _LOW:
+        number = net_number(rng[SPARE], rng[BLOCK])
+        rng[BLOCK] += uint64(1)
+        return (number >> _11) * _TO_UNIT
     if rng[HAS_SPARE] != 0:
         rng[HAS_SPARE] = uint64(0)
         return (rng[SPARE] >> _11) * _TO_UNIT
@@ -108,17 +140,22 @@ def henyey_greenstein_cosine(g, u):
 
 @kernel
 def turn(dx, dy, dz, cosine, azimuth):
-    """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz).
+    """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz)."""
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    return frame(dx, dy, dz, sine * math.cos(azimuth), sine * math.sin(azimuth), cosine)
+
+
+@kernel
+def frame(dx, dy, dz, p, q, cosine):
+    """Return the unit direction (p, q, cosine) in the frame about (dx, dy, dz); one or eight.
 
     Frame without branches on the direction (Duff et al., JCGT 6, 2017).
     """
-    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    p, q = sine * math.cos(azimuth), sine * math.sin(azimuth)
-    sign = math.copysign(1.0, dz)
+    sign = copy_sign(1.0, dz)
     a = -1.0 / (sign + dz)
     b = dx * dy * a
     x = p * (1.0 + sign * dx * dx * a) + q * b + cosine * dx
     y = p * sign * b + q * (sign + dy * dy * a) + cosine * dy
     z = -p * sign * dx - q * dy + cosine * dz
-    norm = 1.0 / math.sqrt(x * x + y * y + z * z)
+    norm = 1.0 / root(x * x + y * y + z * z)
     return x * norm, y * norm, z * norm

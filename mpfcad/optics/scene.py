@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.errors import TraceError
+from mpfcad.errors import InputError, TraceError
 from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
 from mpfcad.optics.bsdf_table import BsdfTable
 from mpfcad.optics.element import CLASSES, FILM, BsdfSheet, Cavity, Element, Film, Slab
@@ -65,7 +65,7 @@ class Scene(NamedTuple):
 
     @property
     def accelerators(self) -> str:
-        """How the films are traced, each way once: `chain`, `chain, bvh` and so on."""
+        """How the films are traced, each way once: `chain`, `chain, grid` and so on."""
         films = self.parameter[self.kind == FILM, TILE].astype(int)
         return ", ".join(dict.fromkeys(ACCELERATORS[a] for a in self.tiles.accelerator[films]))
 
@@ -77,8 +77,9 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     ------
     TraceError
         when a cavity is not the lowest element, a bonded slab has no film with its underside on it,
-        a film without flat underside is bonded or holds resin, or the asked accelerator does not
-        fit the mesh.
+        or the asked accelerator does not fit the mesh.
+    InputError
+        when the mesh of a film that is bonded or holds resin has no flat underside.
     """
     _check_order(elements)
     tiles, phases, bsdfs = _Rows(), _Rows(), _Rows()
@@ -119,8 +120,9 @@ def _check_order(elements: list[Element]) -> None:
             raise TraceError("the cavity must be the lowest element")
         hanging = isinstance(element, Film) and not element.mesh.underside
         if hanging and (element.index_below != 1.0 or element.resin):
-            raise TraceError(
-                f"{element.name}: needs a flat underside to be bonded or to hold scattering resin"
+            raise InputError(
+                f"{element.name}: mesh without flat underside: needs one to be bonded or to hold "
+                "scattering resin"
             )
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.optics.crossing_section import extruded_section
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES, bits, select
 from mpfcad.optics.lanes_array import load, local_floats, store
@@ -52,32 +53,11 @@ class Section(NamedTuple):
 
 def build_section(mesh: FilmMesh) -> Section | None:
     """Return the section of a film mesh, or None where it is not one drawn along y."""
-    segment = _segments(mesh)
-    return None if segment is None else section_of(segment, mesh.size[0])
-
-
-def _segments(mesh: FilmMesh) -> NDArray[np.float64] | None:
-    """Return x, z of the start and x, z of the end of each segment, (s, 4) float64 [mm].
-
-    None unless each facet is half of a strip from end to end, whose other half there is too.
-    """
-    corner = mesh.vertex[mesh.top]
-    near, far = corner[..., 1] == 0, corner[..., 1] == mesh.size[1]
-    if not (near | far).all() or not np.isin(near.sum(axis=1), (1, 2)).all():
+    used, number = np.unique(mesh.top, return_inverse=True)
+    drawn = extruded_section(mesh.vertex[used], number.reshape(-1, 3))
+    if drawn is None or len(drawn.cap):
         return None
-    ends = []
-    for here in (near, far):
-        facet = np.flatnonzero(here.sum(axis=1) == 2)
-        # The edge in the order of the facet starts at the corner after the odd one.
-        odd = np.argmin(here[facet], axis=1)
-        a, b, c = (corner[facet, (odd + i) % 3][:, (0, 2)] for i in (1, 2, 0))
-        if not ((c == a).all(axis=1) | (c == b).all(axis=1)).all():
-            return None
-        ends.append(np.hstack([a, b] if here is near else [b, a]))
-    ordered = [end[np.lexsort(end.T)] for end in ends]
-    if ordered[0].shape != ordered[1].shape or (ordered[0] != ordered[1]).any():
-        return None
-    return ends[0]
+    return section_of(drawn.point[drawn.edge].reshape(-1, 4), mesh.size[0])
 
 
 def section_of(segment: NDArray[np.float64], width: float) -> Section:

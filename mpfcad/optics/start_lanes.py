@@ -6,8 +6,8 @@ from mpfcad.optics.cavity import NO_LAMP
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import select, spread
 from mpfcad.optics.lanes_array import load, load_lines, store, store_lines
-from mpfcad.optics.sampling import disk_point, start_path
-from mpfcad.optics.sampling_lanes import next_two, take
+from mpfcad.optics.sampling import disk_point
+from mpfcad.optics.sampling_lanes import next_two, start_net_paths, take
 from mpfcad.optics.source import EYE, look, remaining_cosine
 from mpfcad.optics.wave import enqueue
 
@@ -20,16 +20,17 @@ def start_rays(scene, source, seed, stream, first, number, slots, wave):
     """
     place, rng = wave.lane_place, wave.lane_rng
     e = len(scene.kind) - 1 if source.kind == EYE else 0
+    points = uint64(len(source.position))
     for i in range(len(slots)):
-        path = first + uint64(number + i)
-        start_path(rng[i], seed, stream, path)
-        point = path % uint64(len(source.position))
+        point = (first + uint64(number + i)) % points
         place[i, 0], place[i, 1] = source.position[point], source.along[point]
         place[i, 2], place[i, 3] = source.tilt_x[point], source.tilt_y[point]
     x, y, tilt_x, tilt_y, _, _, _, _ = load_lines(place)
-    key0, key1, path0, path1, seq, draw, spare, unused = load_lines(rng)
-    has, all_of = unused != 0, unused == unused
-    none = all_of ^ all_of
+    key0, key1, path0, path1, seq, draw, spare = start_net_paths(
+        rng, seed, stream, first + uint64(number), points, len(slots)
+    )
+    all_of, none = draw < 0, draw >= 0
+    has = none
     one, two, aft = next_two(key0, key1, path0, path1, seq, draw, spare, has)
     draw, spare, has = take(draw, spare, has, aft, none, all_of)
     length = source.spot_along if source.spot_along > 0.0 else scene.length

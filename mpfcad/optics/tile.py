@@ -1,7 +1,8 @@
 """A film tile as the kernels see it, and the next facet that a ray in it meets.
 
 The accelerator is chosen from the mesh alone: where it is drawn along y, `chain` for one height
-over a flat underside and `section` for any other cross-section; else `bvh`.
+over a flat underside and `section` for any other cross-section; else `grid` where its facets are
+small and even against the base (`grid_build`), else `bvh`.
 """
 
 from typing import NamedTuple
@@ -12,12 +13,14 @@ from mpfcad.errors import TraceError
 from mpfcad.optics.bvh import Bvh, build_bvh, bvh_hit
 from mpfcad.optics.chain import Chain, build_chain, chain_of
 from mpfcad.optics.chain_walk import chain_hit
+from mpfcad.optics.grid import Grid, grid_hit
+from mpfcad.optics.grid_build import build_grid
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.section import Section, build_section, section_hit, section_of
 
-CHAIN, BVH, SECTION = range(3)
-ACCELERATORS = ("chain", "bvh", "section")
+CHAIN, BVH, SECTION, GRID = range(4)
+ACCELERATORS = ("chain", "bvh", "section", "grid")
 
 
 class Tile(NamedTuple):
@@ -36,10 +39,18 @@ class Tile(NamedTuple):
     chain: Chain
     bvh: Bvh
     section: Section
+    grid: Grid
 
 
 #: How each is built, in the order in which they are tried.
-_BUILD = (("chain", build_chain), ("section", build_section), ("bvh", build_bvh))
+_BUILD = (
+    ("chain", build_chain), ("section", build_section), ("grid", build_grid), ("bvh", build_bvh),
+)  # fmt: skip
+_UNFIT = {
+    "chain": "not extruded along y",
+    "section": "not extruded along y",
+    "grid": "too uneven in its facets' sizes",
+}
 
 _NO_CHAIN = chain_of(np.array([0.0, 1.0]), np.zeros(2))
 _NO_BVH = Bvh(
@@ -50,8 +61,9 @@ _NO_BVH = Bvh(
     np.zeros((1, 3)),
 )
 _NO_SECTION = section_of(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
+_NO_GRID = Grid(np.ones(2, np.int64), np.zeros((1, 4)), np.zeros((3, 4)), np.zeros(1, np.int64))
 #: What a scene without film holds.
-NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, True, CHAIN, _NO_CHAIN, _NO_BVH, _NO_SECTION)
+NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, True, CHAIN, _NO_CHAIN, _NO_BVH, _NO_SECTION, _NO_GRID)
 
 
 def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
@@ -62,7 +74,7 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
     TraceError
         when the accelerator asked for does not fit the mesh.
     """
-    z = mesh.vertex[np.unique(mesh.top), 2]
+    z = mesh.vertex[mesh.used, 2]
     made = dict.fromkeys(ACCELERATORS)
     for name, build in _BUILD:
         if accelerator in (None, name):
@@ -70,11 +82,12 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
         if made[name] is not None:
             break
     else:
-        raise TraceError(f"accelerator {accelerator}: the mesh is not extruded along y")
+        raise TraceError(f"accelerator {accelerator}: the mesh is {_UNFIT[accelerator]}")
     width, length, _ = mesh.size
     return Tile(
         width, length, float(z.min()), float(z.max()), mesh.underside, ACCELERATORS.index(name),
         made["chain"] or _NO_CHAIN, made["bvh"] or _NO_BVH, made["section"] or _NO_SECTION,
+        made["grid"] or _NO_GRID,
     )  # fmt: skip
 
 
@@ -94,6 +107,11 @@ def next_facet(tile, x, y, z, dx, dy, dz, k, inside):
         if k < 0:
             return k, hit_x, y, hit_z, 0.0, 0.0, 1.0, shift, 0.0
         return k, hit_x, y + distance * dy, hit_z, nx, 0.0, nz, shift, 0.0
+    if tile.accelerator == GRID:
+        k, x, y, z, shift, shift_y, nx, ny, nz = grid_hit(
+            tile.grid, (tile.width, tile.length), tile.low, tile.high, x, y, z, dx, dy, dz, inside
+        )  # fmt: skip
+        return k, x, y, z, nx, ny, nz, shift, shift_y
     # From inside there is only the flat underside to reach without a facet, and from it no air.
     astray = inside if dz > 0.0 or not tile.underside else not inside
     if tile.accelerator == SECTION:

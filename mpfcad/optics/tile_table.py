@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh import Bvh
 from mpfcad.optics.chain import Chain
+from mpfcad.optics.grid import Grid
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.section import Section
 from mpfcad.optics.tile import NO_TILE, Tile
@@ -26,9 +27,9 @@ class TileTable(NamedTuple):
         (t, 5) float64 [mm], width, length, low and high of each, and whether it has an underside
     accelerator
         (t,) int64, of each
-    chain, bvh, section
+    chain, bvh, section, grid
         their accelerators' arrays, joined
-    chain_at, bvh_at, section_at
+    chain_at, bvh_at, section_at, grid_at
         (t+1, fields) int64, where the part of each tile begins in each of those arrays
     """
 
@@ -37,9 +38,11 @@ class TileTable(NamedTuple):
     chain: Chain
     bvh: Bvh
     section: Section
+    grid: Grid
     chain_at: NDArray[np.int64]
     bvh_at: NDArray[np.int64]
     section_at: NDArray[np.int64]
+    grid_at: NDArray[np.int64]
 
 
 def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
@@ -50,7 +53,9 @@ def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     chain, chain_at = _joined([t.chain for t in tiles])
     bvh, bvh_at = _joined([t.bvh for t in tiles])
     section, section_at = _joined([t.section for t in tiles])
-    return TileTable(size, accelerator, chain, bvh, section, chain_at, bvh_at, section_at)
+    grid, grid_at = _joined([t.grid for t in tiles])
+    at = chain_at, bvh_at, section_at, grid_at
+    return TileTable(size, accelerator, chain, bvh, section, grid, *at)
 
 
 def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
@@ -88,6 +93,15 @@ def tile_of(table, t):
         table.section.normal[c[3] : d[3]],
         table.section.shape[c[4] : d[4]],
     )
+    c, d = table.grid_at[t], table.grid_at[t + 1]
+    grid = Grid(
+        table.grid.count[c[0] : d[0]],
+        table.grid.cell[c[1] : d[1]],
+        table.grid.corner[c[2] : d[2]],
+        table.grid.facet[c[3] : d[3]],
+    )
     size, accelerator = table.size[t], table.accelerator[t]
     underside = size[4] != 0.0
-    return Tile(size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section)
+    return Tile(
+        size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section, grid
+    )

@@ -25,6 +25,12 @@ def triangle_distances(corner, row, ox, oy, oz, dx, dy, dz, side):
     ax, ay, az = load(corner, row) - ox, load(corner, row + 1) - oy, load(corner, row + 2) - oz
     bx, by, bz = load(corner, row + 3) - ox, load(corner, row + 4) - oy, load(corner, row + 5) - oz
     cx, cy, cz = load(corner, row + 6) - ox, load(corner, row + 7) - oy, load(corner, row + 8) - oz
+    return facet_distances(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, side)
+
+
+@kernel
+def facet_distances(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, side):
+    """Return the distance along a ray from the origin to a facet, or of eight rays to eight."""
     u = side * edge_product(dx, dy, dz, bx, by, bz, cx, cy, cz)
     v = side * edge_product(dx, dy, dz, cx, cy, cz, ax, ay, az)
     w = side * edge_product(dx, dy, dz, ax, ay, az, bx, by, bz)

@@ -40,8 +40,8 @@ class Wave(NamedTuple):
         (e, s) int64, slots that wait before each element; (e,) int64, how many
     batch, freed
         (s,) int64, scratch: the slots of one queue; those whose paths have ended
-    lane_place, lane_rng, lane_ray
-        (8, 8), (8, 8), (1, 8), scratch of `film_passages`
+    lane_place, lane_rng, lane_flow, lane_ray, lane_weight
+        (8, 8), (8, 8), (8, 8), (1, 8), (1, 8), scratch of eight rays
     """
 
     place: NDArray[np.float64]
@@ -59,7 +59,9 @@ class Wave(NamedTuple):
     freed: NDArray[np.int64]
     lane_place: NDArray[np.float64]
     lane_rng: NDArray[np.uint64]
+    lane_flow: NDArray[np.float64]
     lane_ray: NDArray[np.int64]
+    lane_weight: NDArray[np.float64]
 
     @classmethod
     def empty(cls, elements: int, flows: int) -> "Wave":
@@ -73,7 +75,8 @@ class Wave(NamedTuple):
             whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
             np.zeros((SLOTS, RNG_SIZE), np.uint64), np.zeros((SLOTS, flows)),
             whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
-            np.zeros((LANES, PLACE_SIZE)), np.zeros((LANES, RNG_SIZE), np.uint64), whole(1, LANES),
+            np.zeros((LANES, PLACE_SIZE)), np.zeros((LANES, RNG_SIZE), np.uint64),
+            np.zeros((LANES, LANES)), whole(1, LANES), np.zeros((1, LANES)),
         )  # fmt: skip
 
 

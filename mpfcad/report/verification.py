@@ -204,6 +204,8 @@ def describe_mesh(check: MeshCheck) -> dict[str, Any]:
         "normal_error_deg_rms": float(check.normal_error_rms / deg),
         "secant_error_deg_rms": _in_deg(check.secant_error_rms),
         "secant_error_deg_rms_worst_groove": _in_deg(check.secant_error_groove),
+        "secant_error_deg_max": _in_deg(check.secant_error_max),
+        "tip_error_um_max": float(check.tip_error_max / um),
         "normal_error_deg_max": float(check.normal_error_max / deg),
     }
 

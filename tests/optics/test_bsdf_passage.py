@@ -194,6 +194,8 @@ def compare(elements, count):
     flow = np.zeros(len(FLOWS) + len(elements))
     single_paths(build_scene(elements), source, 1, 0, engine, flow)
     oracle = ReferenceTracer(elements)
-    expected = np.array([oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p)) for p in range(count)])
+    expected = np.array(
+        [oracle.radiance(0.1, 0.05, 0.5, Philox(1, EYE, p, 1)) for p in range(count)]
+    )
     assert expected.any()
     np.testing.assert_allclose(engine, expected, rtol=1e-9, atol=1e-9 * expected.max())

@@ -67,11 +67,13 @@ def test_both_accelerators_give_the_same_paths(tmp_path, grooves):
         paths.append(np.empty(5000))
         flow = np.zeros(len(FLOWS) + len(elements))
         single_paths(build_scene(elements), METER, 5, 0, paths[-1], flow)
-    differs = np.abs(paths[0] - paths[1]) > 1e-9 * paths[0].max()
+    differs = np.abs(paths[0] - paths[1]) / paths[0].max()
     # A lamp is a convex mirror of 1.7 mm radius: a last-bit difference in place grows 10…100 times
     # at each, so that one path in some 10,000 (with many lamps in it) ends on another facet. Not
-    # so in the film alone (below), where every path is the same.
-    assert differs.mean() <= 1e-3
+    # so in the film alone (below), where every path is the same. What lamps give directly to the
+    # reflector shows smaller differences of the place, in some more paths.
+    assert np.mean(differs > 1e-6) <= 1e-3
+    assert np.mean(differs > 1e-9) <= 5e-3
 
 
 def test_both_accelerators_give_the_same_film_values(tmp_path):
@@ -84,11 +86,19 @@ def test_both_accelerators_give_the_same_film_values(tmp_path):
 
 
 def test_a_tally_knows_its_errors():
+    # Blocks of 10 paths that share a part: their means scatter more than 10 alone would.
     rng = np.random.default_rng(1)
-    values = rng.exponential(size=(4000, 2))
-    tally = Tally(values.sum(0), (values**2).sum(0), np.zeros(5), np.zeros(5), 4000)
-    assert tally.radiance == pytest.approx(values.mean(0))
-    assert tally.radiance_error == pytest.approx(values.std(0, ddof=1) / np.sqrt(4000), rel=1e-9)
+    values = rng.exponential(size=(400, 10, 2)) + rng.exponential(size=(400, 1, 2))
+    sums, flow = values.sum(axis=1), values.sum(axis=(1, 2))
+    tally = Tally(
+        sums.sum(0), (values**2).sum((0, 1)), (sums**2).sum(0), np.full(3, flow.sum()),
+        np.full(3, (flow**2).sum()), 4000, 400,
+    )  # fmt: skip
+    assert tally.radiance == pytest.approx(values.mean((0, 1)))
+    error = sums.std(0, ddof=1) / 10 / np.sqrt(400)
+    # A fourteenth of the variance's ratio is that of both points.
+    assert tally.radiance_error == pytest.approx(error, rel=0.01)
+    assert tally.fraction_error == pytest.approx(flow.std(ddof=1) / 20 / np.sqrt(400), rel=1e-9)
     assert tally.total_paths == 8000
 
 

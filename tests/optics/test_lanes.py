@@ -2,14 +2,27 @@
 
 import numpy as np
 import pytest
-from harness import BARE, CONCAVE, crossed_mesh, film_mesh, groove, pass_film
+from harness import (
+    BARE,
+    CONCAVE,
+    crossed_mesh,
+    dish_mesh,
+    film_mesh,
+    groove,
+    pass_film,
+    single_paths,
+)
 from numba import njit
 
 from mpfcad.optics import lanes, lanes_array
 from mpfcad.optics.bvh import build_bvh, closest_facets
+from mpfcad.optics.element import Film
 from mpfcad.optics.film_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import RNG_SIZE, start_path
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 from mpfcad.optics.tile import build_tile
 from mpfcad.optics.tile_table import build_tile_table
 
@@ -80,6 +93,21 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     assert (way == alone[:, 0]).all()
     # The underside turns a ray by one formula alone and by that of all facets in the lanes.
     assert np.abs(place[:, 3:6] - alone[:, 1:]).max() < 1e-9
+
+
+@pytest.mark.parametrize("source", [LAMBERTIAN_BELOW, EYE])
+@pytest.mark.parametrize("shape", ["leaning", "dishes"])
+def test_paths_over_a_grid_eight_at_a_time_are_those_by_the_tree_one_by_one(
+    tmp_path, shape, source
+):
+    mesh = dish_mesh() if shape == "dishes" else crossed_mesh(tmp_path)
+    start = Source(source, np.array([0.1]), 0.05, 0.3, -0.4, 0.8)
+    found, flow = np.empty((2, 5000)), np.zeros((2, len(FLOWS) + 1))
+    for i, accelerator in enumerate(("grid", "bvh")):
+        scene = build_scene([Film(mesh, 1.5, accelerator=accelerator)], below=1.0, above=0.3)
+        single_paths(scene, start, 1, 0, found[i], flow[i])
+    assert np.array_equal(*found)
+    assert np.array_equal(*flow)
 
 
 def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):

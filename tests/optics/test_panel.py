@@ -37,7 +37,7 @@ def test_paths_on_a_finite_panel_equal_the_oracle(place):
     engine, _ = paths(elements, 300, *place)
     oracle = ReferenceTracer(elements)
     expected = [
-        oracle.radiance(place[0], 3.0, 0.5, Philox(1, EYE, p), y=place[1], spot_along=3.0)
+        oracle.radiance(place[0], 3.0, 0.5, Philox(1, EYE, p, 1), y=place[1], spot_along=3.0)
         for p in range(300)
     ]
     assert np.any(expected)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from harness import BARE, CONCAVE, crossed_mesh, film_mesh
+from harness import BARE, CONCAVE, crossed_mesh, film_mesh, net_mesh
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
@@ -15,12 +15,18 @@ def accelerator(film):
     return build_scene([film]).accelerators
 
 
-def test_an_extrusion_gets_the_chain_and_anything_else_the_tree(tmp_path):
+def test_the_mesh_alone_chooses_how_it_is_traced(tmp_path):
     assert accelerator(Film(film_mesh(tmp_path, [CONCAVE]), 1.5)) == "chain"
     crossed = crossed_mesh(tmp_path)
-    assert accelerator(Film(crossed, 1.5)) == "bvh"
-    with pytest.raises(TraceError, match="chain"):
-        build_scene([Film(crossed, 1.5, accelerator="chain")])
+    assert accelerator(Film(crossed, 1.5)) == "grid"
+    # Most facets lie about one place.
+    line = np.r_[0.0, np.geomspace(1e-4, 1, 40)]
+    bulge = line * (1 - line)
+    uneven = net_mesh(line, 0.2 + bulge[:, None] * bulge)
+    assert accelerator(Film(uneven, 1.5)) == "bvh"
+    for mesh, way in ((crossed, "chain"), (uneven, "grid")):
+        with pytest.raises(TraceError, match=way):
+            build_scene([Film(mesh, 1.5, accelerator=way)])
 
 
 def test_an_extrusion_may_be_traced_with_the_tree(tmp_path):

@@ -22,7 +22,9 @@ from harness import (
 )
 from scipy.integrate import quad
 
-from mpfcad.errors import TraceError
+from mpfcad.backlight import read_stack
+from mpfcad.errors import InputError, TraceError
+from mpfcad.measure.rounds import light_film
 from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.engine import trace
 from mpfcad.optics.mesh import FilmMesh, read_film_mesh
@@ -57,6 +59,11 @@ def test_a_drawn_mesh_that_is_no_height_is_traced_as_a_section(tmp_path, name):
     assert build_scene([film]).accelerators == "section"
     with pytest.raises(TraceError, match="chain"):
         build_scene([replace(film, accelerator="chain")])
+
+
+def test_the_trace_of_a_file_names_what_it_takes(tmp_path):
+    path = write_facets(tmp_path / "section.stl", drawn(SECTIONS["undercut"], 0.1))
+    assert light_film(read_stack("thesis-32in-mpf"), path).accelerator == "section"
 
 
 def test_a_mesh_that_is_not_drawn_along_y_has_no_section(tmp_path):
@@ -142,8 +149,8 @@ def test_far_from_the_origin_the_same_light_passes(tmp_path, name):
 
 def test_without_flat_underside_nothing_can_be_bonded_to_it(tmp_path):
     over = turned_over(film_file(tmp_path / "film.stl", [BARE]))
-    with pytest.raises(TraceError, match="flat underside"):
+    with pytest.raises(InputError, match="flat underside"):
         build_scene([Slab(1.5, 2.0, bonded=True), Film(over, 1.5, 1.5)])
     resin = Resin(film_mesh(tmp_path, [BARE]), 10.0)
-    with pytest.raises(TraceError, match="flat underside"):
+    with pytest.raises(InputError, match="flat underside"):
         build_scene([Film(over, 1.5, resin=resin)])

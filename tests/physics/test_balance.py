@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from harness import BARE, PITCH, film_mesh, groove, row, within
+from harness import (
+    BARE,
+    PITCH,
+    REENTRANT,
+    SECTIONS,
+    film_mesh,
+    groove,
+    row,
+    section_mesh,
+    within,
+)
 
 from mpfcad.backlight import read_stack
 from mpfcad.optics.element import Film
@@ -18,6 +28,8 @@ FILMS = {
     "thesis-32in-mpf": [groove(c) for c in (60.0, 57.0, 50.0)],
     "thesis-32in-mpf-plate": [groove(60.0)],
 }
+
+SMOOTH = groove(60.0, chords=6)
 
 
 @pytest.mark.parametrize("name", FILMS)
@@ -42,20 +54,24 @@ def test_light_in_is_light_out_and_absorbed(tmp_path, name):
     )
 
 
-@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
-def test_no_path_is_lost_in_a_million(tmp_path, accelerator):
+@pytest.mark.parametrize("name", ["chain", "section", "bvh", *SECTIONS])
+def test_no_path_is_lost_in_a_million(tmp_path, name):
     grooves = [groove(c, chords=60) for c in (60.0, 40.0001, 79.99, 0.0, 57.0)]
-    scene = build_scene([Film(film_mesh(tmp_path, grooves), 1.55, accelerator=accelerator)])
-    tally = trace(scene, Source(LAMBERTIAN_BELOW, np.linspace(0, 0.25, 5), 0.05), 400, seed=52)
+    if name in SECTIONS:
+        film = Film(section_mesh(tmp_path, name), 1.55)
+    else:
+        film = Film(film_mesh(tmp_path, grooves), 1.55, accelerator=name)
+    source = Source(LAMBERTIAN_BELOW, np.linspace(0, 0.25, 5), 0.05)
+    tally = trace(build_scene([film]), source, 400, seed=52)
     assert tally.total_paths > 1e6
     assert tally.flow[LOST] == 0
     assert tally.flow[UP] + tally.flow[DOWN] == tally.total_paths
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
-def test_no_path_is_lost_in_ten_million(tmp_path, accelerator):
-    mesh = panel(tmp_path, 392.25, 6)
+@pytest.mark.parametrize("accelerator", ["chain", "bvh", "section"])
+def test_no_path_is_lost_in_ten_million(accelerator):
+    mesh = panel(392.25, REENTRANT if accelerator == "section" else SMOOTH)
     scene = build_scene([Film(mesh, 1.55, accelerator=accelerator)])
     places = np.linspace(0, 1, 20) * mesh.size[0]
     tally = trace(scene, Source(LAMBERTIAN_BELOW, places, 1.0), 1000, seed=56)
@@ -64,10 +80,9 @@ def test_no_path_is_lost_in_ten_million(tmp_path, accelerator):
     assert tally.flow[UP] + tally.flow[DOWN] == tally.total_paths
 
 
-def panel(tmp_path, width, chords):
+def panel(width, surface):
     """Return a film as wide as asked, drawn straight into float32 as an STL file would hold it."""
-    count = round(width / PITCH)
-    x, z = row([groove(60.0, chords=chords)] * count, 0.2)
+    x, z = row([surface] * round(width / PITCH), 0.2)
     x, z = (np.float32(v).astype(float) for v in (x, z))
     n, length = len(x), 2.0
     vertex = np.concatenate([np.c_[x, 0 * x, z], np.c_[x, 0 * x + length, z]])
@@ -76,11 +91,15 @@ def panel(tmp_path, width, chords):
     return FilmMesh(vertex, top, (float(x[-1]), length, float(z.max())))
 
 
-@pytest.mark.parametrize(("width", "chords"), [(32.65, 100), (392.25, 6)], ids=["tile", "panel"])
-@pytest.mark.parametrize("accelerator", ["chain", "bvh"])
-def test_no_path_is_lost_anywhere_on_the_panel(tmp_path, width, chords, accelerator):
+@pytest.mark.parametrize(
+    ("width", "surface"),
+    [(32.65, groove(60.0, chords=100)), (392.25, SMOOTH), (392.25, REENTRANT)],
+    ids=["tile", "panel", "re-entrant panel"],
+)
+@pytest.mark.parametrize("accelerator", [None, "bvh"])
+def test_no_path_is_lost_anywhere_on_the_panel(width, surface, accelerator):
     # At 390 mm a float32 step is 30 nm: facets are crooked there, but the mesh is still closed.
-    mesh = panel(tmp_path, width, chords)
+    mesh = panel(width, surface)
     scene = build_scene([Film(mesh, 1.55, accelerator=accelerator)], below=1.0)
     places = np.array([0.0, 0.5, 0.995, 1.0]) * mesh.size[0]
     for kind in (LAMBERTIAN_BELOW, EYE):
@@ -89,8 +108,9 @@ def test_no_path_is_lost_anywhere_on_the_panel(tmp_path, width, chords, accelera
         assert tally.flow[:3].sum() == tally.paths * 4 == 160 * BLOCK
 
 
-def test_the_normal_luminance_is_the_same_all_over_the_panel(tmp_path):
-    mesh = panel(tmp_path, 392.25, 6)
+@pytest.mark.parametrize("surface", [SMOOTH, REENTRANT], ids=["chain", "section"])
+def test_the_normal_luminance_is_the_same_all_over_the_panel(surface):
+    mesh = panel(392.25, surface)
     near, far = (
         trace(build_scene([Film(mesh, 1.55)], below=1.0),
               Source(EYE, np.array([x]), 10.0, acceptance=0.5), 300, seed=54)
@@ -99,9 +119,9 @@ def test_the_normal_luminance_is_the_same_all_over_the_panel(tmp_path):
     within(near.radiance, far.radiance[0], np.hypot(near.radiance_error, far.radiance_error), 4)
 
 
-def test_the_energy_of_a_whole_panel_closes(tmp_path):
+def test_the_energy_of_a_whole_panel_closes():
     # 7,845 grooves, 12 lamps one of which is dim, walls: each loss has its name.
-    mesh = panel(tmp_path, 392.25, 6)
+    mesh = panel(392.25, SMOOTH)
     given = {"extent": "panel", "lamp_3_luminance_factor": 0.5, "lamp_length_mm": 690.0}
     stack = read_stack("thesis-32in-mpf", overrides=given)
     elements = stack.elements(mesh, -stack.lamp_position(stack.central_lamp))

@@ -17,6 +17,8 @@ from harness import (
 
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
+from mpfcad.optics.panel import Panel
+from mpfcad.optics.recorder import FLOW_LAMPS, FLOW_RIM, FLOW_UP
 from mpfcad.optics.resin import Resin
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
@@ -44,14 +46,26 @@ def lamps(luminance, reflectance):
 
 @pytest.mark.parametrize("tilt", [0.0, 0.9])
 @pytest.mark.parametrize("name", ["conventional", "mpf", "mpf-plate"])
-def test_every_path_sees_radiance_one(tmp_path, name, tilt):
+def test_every_path_ends_at_radiance_one(tmp_path, name, tilt):
     # Black lamps of luminance 1 under a sky of 1, nothing else absorbs: each path ends at a 1 with
-    # its whole weight, so mean and variance are exact.
+    # its whole weight. Its radiance is 1 in the mean only: lamps are counted at the reflector, not
+    # where they are met.
     scene = build_scene([lamps(1.0, 0.0), *stack(name, tmp_path)], above=1.0)
     source = Source(EYE, np.linspace(0, 32.69, 5), 1.0, tilt_x=tilt, acceptance=0.05)
     tally = trace(scene, source, 10, seed=41)
-    assert (tally.radiance == 1.0).all()
-    assert (tally.score2 == tally.paths).all()
+    assert tally.flow[FLOW_UP] + tally.flow[FLOW_LAMPS] == tally.total_paths
+    assert tally.radiance_error.max() < 0.005
+    within(tally.radiance, 1.0, tally.radiance_error, 4)
+
+
+def test_every_path_sees_radiance_one_on_a_panel(tmp_path):
+    # There lamps are counted where they are met: mean and variance are exact.
+    panel = Panel(-50.0, 50.0, -40.0, 40.0, (-16.0, 16.0), (1.0, 1.0), 90.0, 1.0, 0.2)
+    scene = build_scene([replace(lamps(1.0, 0.0), panel=panel), *stack("mpf", tmp_path)], above=1.0)
+    tally = trace(scene, Source(EYE, np.linspace(-5, 5, 3), 1.0, acceptance=0.05), 2, seed=41)
+    inside = tally.flow[FLOW_UP] + tally.flow[FLOW_LAMPS]
+    assert inside + tally.flow[FLOW_RIM] == tally.total_paths
+    assert tally.score.sum() == inside
 
 
 def test_reflecting_lamps_that_emit_what_they_absorb_are_as_bright(tmp_path):
@@ -133,10 +147,10 @@ def test_the_lambertian_part_of_the_reflector_is_lambertian():
 
     rng = np.zeros(RNG_SIZE, np.uint64)
     start_path(rng, np.uint64(46), np.uint64(0), np.uint64(0))
-    d = np.array([reflector_direction(0.0, 0.6, 0.0, -0.8, rng) for _ in range(40_000)])
+    d = np.array([reflector_direction(0.0, 0.6, 0.0, -0.8, rng)[1:] for _ in range(40_000)])
     number, _, _ = np.histogram2d(
         (d[:, :2] ** 2).sum(axis=1), np.arctan2(d[:, 1], d[:, 0]), (5, 8), ((0, 1), (-np.pi, np.pi))
     )
     within(number, 1000, np.sqrt(1000), 4.5)
     mirrored = reflector_direction(1.0, 0.6, 0.0, -0.8, rng)
-    assert mirrored == (0.6, 0.0, 0.8)
+    assert mirrored == (True, 0.6, 0.0, 0.8)

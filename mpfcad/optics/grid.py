@@ -1,0 +1,118 @@
+"""Fields of small cells as a uniform grid over x, y that a ray walks cell by cell.
+
+Each cell lists the facets over it and their z range. Facets commonly end on the lines between
+cells, to the rounding of their corners: so a facet is listed only where it reaches more than
+`MARGIN` of a cell over a line, and a ray visits all cells that it comes as near to. Which facet is
+met is decided by the formula of `triangle` alone: the least distance, and among equals the least
+number, as in `bvh`. All but `grid_hit` takes one ray or eight (`lanes`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.optics.grid_walk import rounding, start_walk, walk_on
+from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes import floor, select
+from mpfcad.optics.lanes_array import gather_row
+
+#: Tiles after which a ray counts as lost.
+MOST_TILES = 1_000_000
+
+
+class Grid(NamedTuple):
+    """A uniform grid over the facets of a tile.
+
+    Attributes
+    ----------
+    count
+        (2,) int64, cells along x and y
+    cell
+        (c, 4) float64, column of x after column: lowest and highest z [mm] of the facets listed,
+        where their list begins, how many they are
+    corner
+        (3e, 4) float64, three rows for each place of a list: the corners [mm] and the outward unit
+        normal of its facet
+    facet
+        (e,) int64, the facets' numbers in the order of the mesh, ascending in a list
+    """
+
+    count: NDArray[np.int64]
+    cell: NDArray[np.float64]
+    corner: NDArray[np.float64]
+    facet: NDArray[np.int64]
+
+
+@kernel
+def to_zone(low, high, x, y, z, dx, dy, dz, inside, fresh):
+    """Return the point at which a fresh ray comes to the zone of the top, low…high [mm]."""
+    upward = dz > 0.0
+    below, above = inside & upward & (z < low), ((inside | upward) ^ True) & (z > high)
+    free = select(below, (low - z) / dz, select(above, (high - z) / dz, 0.0))
+    free = select(fresh & (below | above), free, 0.0)
+    return x + free * dx, y + free * dy, z + free * dz
+
+
+@kernel
+def into_tile(extent, at):
+    """Return what to take from a coordinate so that it lies in the tile [mm]."""
+    return select((at >= 0.0) & (at <= extent), 0.0, floor(at / extent)) * extent
+
+
+@kernel
+def arrive(size, walk, x, y, z, dx, dy, dz, done):
+    """Return (met, turning, x, y, z, shift x, shift y) of the rays whose walk is done.
+
+    Those that met a facet are put there, and those that turn into the next tile on its side; the
+    others leave the zone of the top. Shifts [mm] lead back to the coordinates before.
+    """
+    width, length = size
+    met = done & (walk.place >= 0)
+    # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
+    turning = done & ((walk.leave < walk.edge) ^ True) & (met ^ True)
+    flight = select(met, walk.best, walk.edge)
+    moved = met | turning
+    x = select(moved, x + flight * dx, x)
+    y = select(moved, y + flight * dy, y)
+    z = select(moved, z + flight * dz, z)
+    # Exactly onto the opposite side of the tile.
+    over = turning & (walk.to_x <= walk.edge)
+    x = select(over, select(dx > 0.0, 0.0, width), x)
+    shift_x = select(over, select(dx > 0.0, width, -width), 0.0)
+    over = turning & (walk.to_y <= walk.edge)
+    y = select(over, select(dy > 0.0, 0.0, length), y)
+    shift_y = select(over, select(dy > 0.0, length, -length), 0.0)
+    return met, turning, x, y, z, shift_x, shift_y
+
+
+@kernel
+def grid_hit(grid, size, low, high, x, y, z, dx, dy, dz, inside):
+    """Return the next facet a ray meets: (place or -1, x, y, z, shift x, shift y, normal).
+
+    The ray starts at (x, y, z) [mm] in the tile of `size` (width, length); low, high: lowest and
+    highest z of the top. `place` is that in the grid's lists. Shifts [mm] lead back to the
+    coordinates before; place -1: the ray leaves the zone of the top without a hit; -2: it was lost
+    (a hole).
+    """
+    side = 1.0 if inside else -1.0
+    slack = rounding(size, high)
+    x, y, z = to_zone(low, high, x, y, z, dx, dy, dz, inside, True)
+    shift_x, shift_y = 0.0, 0.0
+    for _ in range(MOST_TILES):
+        turn_x, turn_y = into_tile(size[0], x), into_tile(size[1], y)
+        x, y = x - turn_x, y - turn_y
+        shift_x, shift_y = shift_x + turn_x, shift_y + turn_y
+        walk = start_walk(grid, size, low, high, x, y, z, dx, dy, dz)
+        walking = True
+        while walking:
+            walk, walking = walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking)
+        met, turning, x, y, z, turn_x, turn_y = arrive(size, walk, x, y, z, dx, dy, dz, True)
+        shift_x, shift_y = shift_x + turn_x, shift_y + turn_y
+        if met:
+            _, nx, ny, nz = gather_row(grid.corner, walk.place * 3 + 2)
+            return walk.place, x, y, z, shift_x, shift_y, nx, ny, nz
+        if not turning:
+            lost = inside == (dz > 0.0)
+            return (-2 if lost else -1), x, y, z, shift_x, shift_y, 0.0, 0.0, 1.0
+    return -2, x, y, z, shift_x, shift_y, 0.0, 0.0, 1.0

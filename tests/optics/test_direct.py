@@ -1,0 +1,68 @@
+"""What lamps give directly to the reflector: against quadrature, and the same mean as without."""
+
+import math
+
+import numpy as np
+import pytest
+from harness import within
+from numba import njit
+
+from mpfcad.optics.cavity import lamp_hit
+from mpfcad.optics.direct import lamp_view
+from mpfcad.optics.element import Cavity, Sheet
+from mpfcad.optics.engine import trace
+from mpfcad.optics.panel import Panel
+from mpfcad.optics.scene import build_scene
+from mpfcad.optics.source import EYE, Source
+
+OWN = -(2**40)
+
+
+@njit
+def _view(pitch, position, height, radius, x):
+    return lamp_view(pitch, position, height, radius, x)
+
+
+@njit
+def _seen(pitch, position, height, radius, x, sine):
+    """Return the numbers of the lamps met at sines from the vertical, those of no lamp far off."""
+    out = np.empty(len(sine), np.int64)
+    for i in range(len(sine)):
+        dz = math.sqrt(1.0 - sine[i] * sine[i])
+        distance, _, number = lamp_hit(x, 0.0, sine[i], dz, pitch, position, height, radius, OWN)
+        out[i] = number if distance < math.inf else OWN
+    return out
+
+
+@pytest.mark.parametrize("x", [0.0, 0.3, 7.9, 16.345, -40.0, 1e4])
+@pytest.mark.parametrize(
+    ("pitch", "height", "radius"), [(32.69, 3.5, 1.7), (4.0, 1.9, 1.9), (5.0, 3.0, 2.4)]
+)
+def test_the_view_of_the_lamps_is_that_of_many_rays(x, pitch, height, radius):
+    sine = (np.arange(400_000) + 0.5) / 200_000 - 1
+    share, nearest = _view(pitch, 0.7, height, radius, x)
+    seen = np.abs(_seen(pitch, 0.7, height, radius, x, sine) - nearest) <= 1
+    # Each end of an angle is off by half a step at most: three lamps have six.
+    assert seen.mean() == pytest.approx(share, abs=6 / 400_000)
+
+
+@pytest.mark.parametrize("mirrored", [0.0, 0.3, 1.0])
+def test_lamps_counted_at_the_reflector_give_what_lamps_counted_where_met_give(mirrored):
+    # A panel of 41 pitches that ends far off, where lamps are counted as they are met, and the same
+    # lamps without end, where they are counted at the reflector.
+    endless = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 1.0, 0.5, 0.8, mirrored)
+    half = 20.5 * 32.69
+    place = tuple(32.69 * i for i in range(-20, 21))
+    panel = Panel(-half, half, -5000.0, 5000.0, place, (1.0,) * 41, 1e4, 1.0, 1.0)
+    wide = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 1.0, 0.5, 0.8, mirrored, panel=panel)
+    source = Source(EYE, np.linspace(0, 16.0, 3), 1.0, acceptance=0.9)
+    here, there = (
+        trace(build_scene([cavity, Sheet(0.3, 1.49, 1.0)]), source, 80, seed=9)
+        for cavity in (endless, wide)
+    )
+    error = np.hypot(here.radiance_error, there.radiance_error)
+    assert error.max() < 0.004
+    within(here.radiance, there.radiance, error, 3.5)
+    # Less chance is left in a path, but by a mirror, which leaves none.
+    spread = [t.score2 / t.paths - t.radiance**2 for t in (here, there)]
+    assert spread[0].mean() < (0.9 if mirrored < 1 else 1.01) * spread[1].mean()

@@ -1,0 +1,93 @@
+"""Owen-scrambled nets: what makes them nets, that each point is uniform, and what they gain."""
+
+import itertools
+
+import numpy as np
+import pytest
+from harness import within
+from numba import njit, uint64
+
+from mpfcad.optics.net import DIMENSIONS, NET, direction_numbers
+from mpfcad.optics.reference_ray import Philox
+from mpfcad.optics.sampling import RNG_SIZE, start_net_path, uniform
+
+
+@njit
+def _draws(seed, stream, first, points, out):
+    rng = np.zeros(RNG_SIZE, np.uint64)
+    for i in range(len(out)):
+        start_net_path(rng, uint64(seed), uint64(stream), uint64(first + i), uint64(points))
+        for d in range(out.shape[1]):
+            out[i, d] = uniform(rng)
+
+
+def draws(count, numbers=DIMENSIONS + 4, *, seed=1, first=0, points=1):
+    out = np.empty((count, numbers))
+    _draws(np.uint64(seed), 0, first, points, out)
+    return out
+
+
+def test_direction_numbers_are_the_published_ones():
+    from scipy.stats import qmc
+
+    points = np.zeros((NET, DIMENSIONS), np.int64)
+    for d in range(DIMENSIONS):
+        for bit, number in enumerate(direction_numbers(d)):
+            points[np.arange(NET) >> bit & 1 == 1, d] ^= number
+    published = qmc.Sobol(DIMENSIONS, scramble=False).random(NET) * 2**10
+    # There they come in another order.
+    assert set(map(tuple, points.tolist())) == set(map(tuple, published.astype(int).tolist()))
+
+
+@pytest.mark.parametrize(("seed", "path", "points"), [(1, 0, 1), (2**63 + 5, 12_345_678_901, 33)])
+def test_kernel_and_oracle_draw_the_same_numbers(seed, path, points):
+    for p, row in enumerate(draws(5, seed=seed, first=path, points=points)):
+        oracle = Philox(seed, 0, path + p, points)
+        assert [oracle() for _ in row] == row.tolist()
+
+
+@pytest.mark.parametrize("points", [1, 3])
+def test_a_block_has_one_point_in_each_part(points):
+    block = draws(NET * points, first=4 * NET * points, points=points)
+    for point in range(points):
+        mine = block[point::points]
+        for d in range(DIMENSIONS):
+            assert len(np.unique(np.floor(mine[:, d] * NET))) == NET
+        # In the first two dimensions also all boxes of 2⁻ᵃ by 2⁻ᵇ, a + b = 9.
+        for a in range(10):
+            box = np.floor(mine[:, 0] * 2**a) * NET + np.floor(mine[:, 1] * 2 ** (9 - a))
+            assert len(np.unique(box)) == NET
+        # From there on they are Philox's: a part holds any number.
+        assert len(np.unique(np.floor(mine[:, DIMENSIONS] * NET))) < 0.75 * NET
+    assert len(np.unique(block)) == block.size
+
+
+def test_each_point_of_a_net_is_uniform_over_the_nets():
+    nets = draws(4000 * NET, DIMENSIONS).reshape(4000, NET, DIMENSIONS)
+    for i in (0, 1, 2, 100, 511):
+        count = np.stack([np.histogram(nets[:, i, d], 16, (0, 1))[0] for d in range(DIMENSIONS)])
+        within(((count - 250) ** 2 / 250).sum(axis=1), 15, np.sqrt(30), 5)
+        # Dimensions of one point are independent of each other; fixed seed, 5 sigma of 1/√4000.
+        correlation = np.corrcoef(nets[:, i].T) - np.eye(DIMENSIONS)
+        assert np.abs(correlation).max() < 5 / np.sqrt(4000)
+    neighbours = np.corrcoef(nets[:-1, 7].T, nets[1:, 7].T)[:DIMENSIONS, DIMENSIONS:]
+    assert np.abs(neighbours).max() < 5 / np.sqrt(4000)
+
+
+def test_the_digits_are_permuted_independently_in_each_part():
+    # Owen's scramble: whether the third digit is turned is chosen anew for each first two digits.
+    nets = draws(4000 * NET, 1).reshape(4000, NET)
+    raw = np.array([sum((i >> b & 1) << (9 - b) for b in range(10)) for i in range(NET)])
+    for a, b in itertools.combinations((0, 256, 512, 768), 2):
+        turned = [np.floor(nets[:, np.flatnonzero(raw == v)[0]] * 8) % 2 for v in (a, b)]
+        within(np.mean(turned[0] == turned[1]), 0.5, 0.5 / np.sqrt(4000), 4)
+
+
+def test_a_smooth_integral_has_far_less_spread_than_with_independent_points():
+    nets = draws(300 * NET, 3).reshape(300, NET, 3)
+    means = np.prod(1 + np.cos(3 * nets), axis=2).mean(axis=1)
+    one = np.prod(1 + np.cos(3 * nets), axis=2).var()
+    truth = (1 + np.sin(3) / 3) ** 3
+    # Independent points would leave one/512; a net of three smooth dimensions under a hundredth.
+    assert means.var() < one / NET / 100
+    within(means.mean(), truth, means.std() / np.sqrt(300), 4)
