@@ -30,7 +30,7 @@ paths_million = 0.05
 [thickness]
 min_mm = 8.0
 max_mm = 20.0
-step_mm = 6.0
+step_mm = 12.0
 [gates]
 contrast_pass = 0.05
 contrast_marginal = 0.09
@@ -55,7 +55,7 @@ paths_million = 0.02
 def mpfcad(*arguments, cwd):
     code = "from mpfcad.cli import main; main()"
     command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600)
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=1800)
 
 
 def content(folder):
@@ -156,10 +156,10 @@ def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_pa
     whole = content(out)
     found = json.loads(whole["design.json"])["thickness"]
     least = found["least_mm"]
-    assert least in (14.0, 20.0)
+    assert least == 20.0
     assert tomllib.loads(whole["least.toml"].decode())["stack"]["thickness_mm"] == least
     outcomes = {p["thickness_mm"]: p["traced"]["outcome"] for p in found["points"] if p["traced"]}
-    assert outcomes[least] == "serves" and outcomes.get(least - 6, "fails") != "serves"
+    assert outcomes == {8.0: "fails", 20.0: "serves"}
     bare, *changed = found["remedies"]
     assert bare["override"] == {} and len(changed) == 4
     assert min(one["lamp_mura_contrast"] for one in changed) < bare["lamp_mura_contrast"]
