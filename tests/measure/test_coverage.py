@@ -52,12 +52,12 @@ def fraction_held(found, total, flow):
 
 
 def test_intervals_of_a_points_luminance_hold_it(lit):
-    found, total = runs(lit, EYE, np.array([0.0, 0.5]), 2)
+    found, total = runs(lit, EYE, np.linspace(0, 0.5, 9), 4)
     check(luminance_held(found, total))
 
 
 def test_intervals_of_the_light_that_comes_out_hold_it(lit):
-    found, total = runs(lit, LAMPS, np.zeros(1), 4)
+    found, total = runs(lit, LAMPS, np.zeros(1), 16)
     check(fraction_held(found, total, FLOW_UP))
 
 
