@@ -9,6 +9,7 @@ import math
 
 from numba import uint64
 
+from mpfcad.optics.film import unit
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.grid import MOST_TILES, arrive, into_tile, to_zone
 from mpfcad.optics.grid_walk import choose, no_walk, rounding, start_walk, walk_on
@@ -121,6 +122,8 @@ def grid_passages(tile, index, index_below, offset, rays, place, up, way, rng):
             bend = select(meets, bend, 0.0)
             scale = select(meets & (mirrored ^ True), ratio, 1.0)
             dx, dy, dz = scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz
+            at_x, at_y, at_z = unit(dx, dy, dz)
+            dx, dy, dz = select(met, at_x, dx), select(met, at_y, dy), select(met, at_z, dz)
             down = under & (mirrored ^ inside)
             inside = inside ^ (meets & (mirrored ^ True))
             hits = select(done, hits + 1, hits)
