@@ -151,18 +151,25 @@ def _underside(index_in, index_out, dx, dy, dz, rng):
 
 
 @kernel
+def unit(dx, dy, dz):
+    """Return a direction, or eight, of a length that is 1 to rounding, as 1 to its own (Newton).
+
+    Else the rounding of thousands of total reflections would add up, and with it the distances that
+    are measured along the direction would be wrong.
+    """
+    factor = 1.5 - 0.5 * (dx * dx + dy * dy + dz * dz)
+    return factor * dx, factor * dy, factor * dz
+
+
+@kernel
 def _facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
     """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
     approach = dx * nx + dy * ny + dz * nz
     cos_in = min(1.0, abs(approach))
     ratio = index if inside else 1.0 / index
     reflectance, cos_out = fresnel(cos_in, ratio)
-    if uniform(rng) < reflectance:
-        return (
-            inside,
-            dx - 2.0 * approach * nx,
-            dy - 2.0 * approach * ny,
-            dz - 2.0 * approach * nz,
-        )
-    bend = math.copysign(cos_out, approach) - ratio * approach
-    return not inside, ratio * dx + bend * nx, ratio * dy + bend * ny, ratio * dz + bend * nz
+    mirrored = uniform(rng) < reflectance
+    bend = -2.0 * approach if mirrored else math.copysign(cos_out, approach) - ratio * approach
+    scale = 1.0 if mirrored else ratio
+    dx, dy, dz = unit(scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz)
+    return inside == mirrored, dx, dy, dz

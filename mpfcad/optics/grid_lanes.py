@@ -9,6 +9,7 @@ import math
 
 from numba import uint64
 
+from mpfcad.optics.film import unit
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.grid import MOST_TILES, arrive, into_tile, to_zone
 from mpfcad.optics.grid_walk import choose, no_walk, rounding, start_walk, walk_on
@@ -19,7 +20,6 @@ from mpfcad.optics.lanes import (
     copy_sign,
     count_of,
     magnitude,
-    real,
     select,
     spread,
 )
@@ -33,8 +33,8 @@ from mpfcad.optics.sampling import (
     PATH1,
     SPARE,
     STREAM,
-    philox4x32,
 )
+from mpfcad.optics.sampling_lanes import next_two, take
 
 # Columns of a ray's place and first rows of the lanes' scratch.
 X, Y, Z, DX, DY, DZ = range(6)
@@ -109,11 +109,8 @@ def grid_passages(tile, index, index_below, offset, rays, place, up, way, rng):
             approach = dx * nx + dy * ny + dz * nz
             width = magnitude(approach)
             reflectance, cos_out = fresnel(select(width < 1.0, width, 1.0), ratio)
-            a, b, c, d = philox4x32(draw, stream, path0, path1, key0, key1)
-            number = real(select(has, spare, (a << 32) | b) >> 11) * 2.0**-53
-            spare = select(meets & (has ^ True), (c << 32) | d, spare)
-            draw = select(meets & (has ^ True), draw + 1, draw)
-            has = has ^ meets
+            number, _, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+            draw, spare, has = take(draw, spare, has, aft, meets, none)
             mirrored = number < reflectance
             bend = select(
                 mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach
@@ -121,6 +118,8 @@ def grid_passages(tile, index, index_below, offset, rays, place, up, way, rng):
             bend = select(meets, bend, 0.0)
             scale = select(meets & (mirrored ^ True), ratio, 1.0)
             dx, dy, dz = scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz
+            at_x, at_y, at_z = unit(dx, dy, dz)
+            dx, dy, dz = select(met, at_x, dx), select(met, at_y, dy), select(met, at_z, dz)
             down = under & (mirrored ^ inside)
             inside = inside ^ (meets & (mirrored ^ True))
             hits = select(done, hits + 1, hits)
