@@ -123,12 +123,13 @@ _PRISM = [(0, 0.13), (0.1, 0.13), (0.1, 0.15), (0.07, 0.178), (0.03, 0.15), (0, 
 _BELOW = [(0, 0.03), (0.025, 0), (0.05, 0.028), (0.08, 0.005), (0.1, 0.03), (0.1, 0.2), (0, 0.2)]
 
 #: Cross-sections 0.1 mm wide that are no height over a flat underside, as `drawn` takes them.
+#: In the film over the rods some light is guided over thousands of reflections.
 SECTIONS = {
     "undercut": [_UNDERCUT],
     "rod in an undercut over a void": [_UNDERCUT, _ROD, _circle(0.03, 0.08, 0.02, 40)[::-1]],
     "sheet under a film": [_SHEET, _PRISM],
     "grooves below": [_BELOW],
-    "rods under grooves": [_BELOW, _circle(0.05, -0.05, 0.04, 50), _circle(0.02, -0.12, 0.017, 33)],
+    "rods under grooves": [_BELOW, _circle(0.05, -0.05, 0.04, 50), _circle(0.02, -0.1, 0.017, 33)],
 }
 
 
