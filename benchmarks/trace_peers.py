@@ -4,6 +4,7 @@ Mitsuba counts in µm, so that its ray offsets stay small beside a facet. Its ra
 to the path integrator: a sensor's own shape would throw light back into the film.
 """
 
+import functools
 import tempfile
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 PITCH = 50.0  # µm
 
 
+@functools.lru_cache(maxsize=1)
 def read_mesh(path):
     """Return vertices (v, 3) [mm] about the middle of the mesh, z from below, and facets."""
     record = np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
