@@ -4,6 +4,7 @@ Mitsuba counts in µm, so that its ray offsets stay small beside a facet. Its ra
 to the path integrator: a sensor's own shape would throw light back into the film.
 """
 
+import functools
 import tempfile
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 PITCH = 50.0  # µm
 
 
+@functools.lru_cache(maxsize=1)
 def read_mesh(path):
     """Return vertices (v, 3) [mm] about the middle of the mesh, z from below, and facets."""
     record = np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
@@ -71,10 +73,10 @@ def _tracer(mi, scene, origin, direction):
     return trace
 
 
-def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=False, top=180.0):
+def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=0.0, top=180.0):
     """Put a film over an emitter of radiance 1 and a reflectance, between black halves otherwise.
 
-    With mirrors only two pitches about the middle are left, between perfect mirrors.
+    `mirrors` [µm]: all but what lies as near to the middle is cut off by four perfect mirrors.
     """
     mi = mitsuba()
     light = {
@@ -84,7 +86,7 @@ def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=False, top=18
     world = {"type": "scene", "film": _mitsuba_mesh(mi, path, index)}
     world["light"] = _plane(mi, -1.0, 3e5, **light)
     if mirrors:
-        _mirrors(mi, world, PITCH, 100, 500)
+        _mirrors(mi, world, mirrors, 100, 500)
 
     def origin(u):
         return mi.Point3f((u.x - 0.5) * PITCH, (u.y - 0.5) * PITCH, top)

@@ -152,7 +152,9 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
     nx, ny = float(grid.count[0]), float(grid.count[1])
     x_cell = select(walk.along_x, walk.column, walk.row)
     y_cell = select(walk.along_x, walk.row, walk.column)
-    low, high, begin, number = gather_row(grid.cell, whole(x_cell * ny + y_cell))
+    # A ray that waits for others to arrive steps on with them, out of the grid: it reads no cell.
+    cell = select(walking, whole(x_cell * ny + y_cell), 0)
+    low, high, begin, number = gather_row(grid.cell, cell)
     best, place = walk.best, walk.place
     near = walking & (low <= walk.high) & (high >= walk.low)
     number = select(near, number, 0.0)

@@ -19,6 +19,8 @@ from mpfcad.optics.bvh import build_bvh, closest_facets
 from mpfcad.optics.element import Film
 from mpfcad.optics.film_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.grid_build import build_grid
+from mpfcad.optics.grid_walk import Walk, walk_on
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import RNG_SIZE, start_path
 from mpfcad.optics.scene import build_scene
@@ -108,6 +110,21 @@ def test_paths_over_a_grid_eight_at_a_time_are_those_by_the_tree_one_by_one(
         single_paths(scene, start, 1, 0, found[i], flow[i])
     assert np.array_equal(*found)
     assert np.array_equal(*flow)
+
+
+@njit(error_model="numpy", _nrt=False)
+def _wait_in(grid, column, walking):
+    walk = Walk(
+        0.0, 0.0, 1.0, 1.0, 1.0, -1, True, 0.0, 0.0, 1.0, 0.0, column, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
+    walk, walking = walk_on(grid, walk, 0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 1.0, 1e-12, walking)
+    return walk.place, walk.best, walking
+
+
+@pytest.mark.parametrize("column", [-1e12, 0.0, 1e12])
+def test_a_ray_that_waits_for_others_reads_no_cell_outside_the_grid(column):
+    # It is stepped on with them, away from the grid; so far out a read would end the process.
+    assert _wait_in(build_grid(dish_mesh()), column, False) == (-1, 1.0, False)
 
 
 def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):

@@ -7,6 +7,7 @@ from harness import (
     PITCH,
     REENTRANT,
     SECTIONS,
+    dish_mesh,
     film_mesh,
     groove,
     row,
@@ -69,9 +70,12 @@ def test_no_path_is_lost_in_a_million(tmp_path, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("accelerator", ["chain", "bvh", "section"])
+@pytest.mark.parametrize("accelerator", ["chain", "bvh", "section", "grid"])
 def test_no_path_is_lost_in_ten_million(accelerator):
-    mesh = panel(392.25, REENTRANT if accelerator == "section" else SMOOTH)
+    if accelerator == "grid":
+        mesh = dish_mesh(cells=120)
+    else:
+        mesh = panel(392.25, REENTRANT if accelerator == "section" else SMOOTH)
     scene = build_scene([Film(mesh, 1.55, accelerator=accelerator)])
     places = np.linspace(0, 1, 20) * mesh.size[0]
     tally = trace(scene, Source(LAMBERTIAN_BELOW, places, 1.0), 1000, seed=56)
