@@ -64,7 +64,7 @@ def test_normal_luminance_converges_with_the_facet_angle(curvature):
 @pytest.mark.slow
 @pytest.mark.parametrize("curvature", [60.0, 75.0])
 def test_a_panel_from_its_stl_differs_by_less_than_1e_4_near_and_far(tmp_path, curvature):
-    # Ten million paths each in twenty batches of common random numbers, seed 3; the differences of
+    # Twenty million paths each in 20 batches of common random numbers, seed 3; the differences of
     # the batches give sigma, at most 3e-5. `-s` prints the table of docs/tracing.md.
     film = PrismFilm(Groove(0.05, 0.025), 0.2, 2.0, "filled", np.full(7846, curvature))
     write_stl(film, tmp_path / "film.stl", 0.5 * deg)
@@ -75,7 +75,7 @@ def test_a_panel_from_its_stl_differs_by_less_than_1e_4_near_and_far(tmp_path, c
             value = []
             for place in (1.0, 390.0):
                 source = Source(kind, np.array([place]), 1.0, acceptance=0.017)
-                tally = trace(scene, source, 1000, seed=3, first=1000 * batch)
+                tally = trace(scene, source, 2000, seed=3, first=2000 * batch)
                 value.append(tally.radiance[0] if kind == EYE else tally.fraction[0])
             batches.append(value)
         difference = -np.diff(batches, axis=1).ravel()
