@@ -2,10 +2,12 @@
 
 The cross-section is a polyline refined by *angle*: a chord of the parabola has the slope of its
 middle, so a facet of width Δx is off by C·Δx/2 at its ends. A binary STL holds float32, of which
-one step is 30 nm at x = 390 mm. So each half groove is moved, as it is, to where its tip is rounded
-to (by at most one step), x is rounded first and z is evaluated at the rounded x: the corners lie on
-the moved profile, and tips have the full height. Of the x within a fraction of a facet the one is
-taken whose z rounds best. The same polyline in float64 is neither moved nor rounded.
+one step is 30 nm at x = 390 mm. So each half groove is moved, as it is, to where its tip is
+rounded to (by at most one step). Its corners are whole steps of the film's far side away from the
+tip, and z is evaluated there: grooves of equal C are the same wherever they lie. Contact points
+stay on the walls and lift the parabola by less than a step, so walls and parabolas have their
+slopes, and tips the full height. Of the x within a fraction of a facet the one is taken whose z
+rounds best. The same polyline in float64 is neither moved nor rounded.
 """
 
 import math
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.outline import check_drawable, drawn_contact
-from mpfcad.cad.rounding import round_tips, settle
+from mpfcad.cad.rounding import coarsest_step, round_contact, round_tips, settle
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg, nm, um
@@ -87,17 +89,19 @@ def build_cross_section(
     contact = mesh_contact(film)
     reach = np.arctan(film.curvature * contact)
     # A chord may come out one step wider than planned.
-    step = np.spacing(film.tip_position[1:].astype(number))
+    step = coarsest_step(film, number)
     room = np.maximum(angle_tolerance - film.curvature * step / 2, angle_tolerance / 4)
     pieces = np.maximum(reach / (2 * room), _pieces_for_volume(film, contact))
     pieces = np.where(contact > 0, np.clip(np.ceil(pieces), 1, 10**9), 0).astype(np.int64)
-    finest = np.maximum(2 * step, FINEST_CHORD)
+    finest = max(2 * step, FINEST_CHORD)
+    _, alike = np.unique(film.curvature, return_inverse=True)
     while np.all(pieces * finest <= contact):
         section, chord, groove = _lay_out(film, contact, reach, pieces, number)
-        off = np.bincount(groove, chord > angle_tolerance, minlength=film.groove_count) > 0
+        # Grooves of equal curvature have equally many chords, wherever they lie.
+        off = np.bincount(alike[groove], chord > angle_tolerance) > 0
         if not off.any():
             return section
-        pieces = pieces + off * np.maximum(pieces // 8, 1)
+        pieces = pieces + off[alike] * np.maximum(pieces // 8, 1)
     raise InputError(
         f"angle_tolerance: {angle_tolerance / deg:g} deg: too fine for the float32 coordinates of"
         f" an STL file {film.width:g} mm wide"
@@ -134,6 +138,10 @@ def _lay_out(
     """
     half_width = film.groove.half_width
     bare = contact < half_width
+    lift = np.zeros_like(contact)
+    step = coarsest_step(film, number)
+    if number is np.float32:
+        contact, lift = round_contact(film, contact, step)
     count = 2 * pieces + 2 * bare
     start = np.concatenate(([0], np.cumsum(count)))
     groove = np.repeat(np.arange(film.groove_count), count)
@@ -143,37 +151,34 @@ def _lay_out(
     angle = reach[groove]
     turn = np.divide(np.tan(angle * ratio), np.tan(angle), out=ratio.copy(), where=angle > 1e-9)
     local = np.where(pieces[groove] > 0, turn * contact[groove], 0.0)
-    centre = film.groove_position[groove]
     tips = round_tips(film, number)
     moved = tips - film.tip_position
-    # The middle belongs to both halves.
+    # The middle belongs to both halves; all other corners are moved with their tip.
     middle = corner == pieces[groove]
     right = local > 0
-    place = centre + np.where(middle, (moved[:-1] + moved[1:])[groove] / 2, moved[groove + right])
-    x = (place + local).astype(number)
-    x[start[:-1]] = tips[:-1]
-
-    # A contact point is rounded towards the centre, so that no parabola's chord reaches the wall.
     end = ((corner == 0) | (corner == 2 * pieces[groove])) & bare[groove] & (local != 0)
-    beyond = end & (np.abs(x - place) > contact[groove])
-    x = np.where(beyond, np.nextafter(x, centre.astype(x.dtype)), x)
     parabola = (pieces[groove] > 0) & (corner >= 1 - bare[groove])
-    # Chords of equal turn are narrowest where the parabola is flat.
-    flat = np.divide(angle, np.tan(angle), out=np.ones_like(angle), where=angle > 1e-9)
-    chord = (contact / np.maximum(pieces, 1))[groove] * flat
-    chord *= 1 + (film.curvature[groove] * local) ** 2
 
-    def height(x: NDArray[np.floating], which: NDArray[np.bool_]) -> NDArray[np.float64]:
-        local = x - place[which]
-        drop = film.curvature[groove[which]] / 2 * (half_width - local) * (half_width + local)
-        return film.thickness - drop
+    def height(depth: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[np.float64]:
+        drop = film.curvature[groove[which]] / 2 * depth * (2 * half_width - depth)
+        return film.thickness + lift[groove[which]] - drop
 
-    x = settle(x, parabola & ~middle & ~end, chord, height)
-    local = x - place
+    depth = half_width - np.abs(local)
+    if number is np.float32:
+        # Chords of equal turn are narrowest where the parabola is flat.
+        flat = np.divide(angle, np.tan(angle), out=np.ones_like(angle), where=angle > 1e-9)
+        chord = (contact / np.maximum(pieces, 1))[groove] * flat
+        chord *= 1 + (film.curvature[groove] * local) ** 2
+        depth = np.where(middle, half_width, np.round(depth / step) * step)
+        depth = settle(depth, parabola & ~middle & ~end, chord, step, height)
+        local = np.sign(local) * (half_width - depth)
+    own = tips[groove + right] + np.where(right, -depth, depth)
+    x = np.where(middle, (tips[:-1] / 2 + tips[1:] / 2)[groove], own).astype(number)
+    x[start[:-1]] = tips[:-1]
     # A groove made wider by the moves has its middle deeper down, by each half's own slope there.
     apart = np.diff(moved)[groove]
     wall = film.base - film.groove.wall_slope * apart / 2
-    z = np.where(parabola, height(x, slice(None)), wall)
+    z = np.where(parabola, height(depth, slice(None)), wall)
     z += np.where(parabola & middle, film.curvature[groove] * apart**2 / 8, 0.0)
     z[start[:-1]] = film.thickness
 

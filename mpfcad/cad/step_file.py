@@ -7,6 +7,8 @@ from pathlib import Path
 
 #: Decimals of a coordinate [mm]: all that a double has at x = 400 mm.
 DECIMALS = 13
+#: Entities in a line of the file: a line end after each would be 2 % of a panel.
+IN_LINE = 20
 #: The header's time: fixed, so that the same film gives the same bytes.
 TIMESTAMP = "2000-01-01T00:00:00"
 
@@ -26,13 +28,13 @@ class StepFile:
     """Entities in the order they were added; each is known by its reference, such as `#17`."""
 
     def __init__(self) -> None:
-        self._lines: list[str] = []
+        self._entities: list[str] = []
         self._known: dict[tuple[object, ...], str] = {}
 
     def add(self, entity: str) -> str:
         """Add an entity and return its reference."""
-        reference = f"#{len(self._lines) + 1}"
-        self._lines.append(f"{reference}={entity};")
+        reference = f"#{len(self._entities) + 1}"
+        self._entities.append(f"{reference}={entity};")
         return reference
 
     def share(self, *key: object) -> str:
@@ -89,8 +91,9 @@ class StepFile:
         try:
             with part.open("w", encoding="ascii", newline="\n") as file:
                 file.write(head)
-                file.write("\n".join(self._lines))
-                file.write("\nENDSEC;\nEND-ISO-10303-21;\n")
+                for first in range(0, len(self._entities), IN_LINE):
+                    file.write("".join(self._entities[first : first + IN_LINE]) + "\n")
+                file.write("ENDSEC;\nEND-ISO-10303-21;\n")
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)

@@ -1,7 +1,8 @@
 """Read an STL file back with trimesh and manifold3d, and compare it with the film it should be.
 
-float32 moves each tip by up to one step, and each half groove with it: a facet is compared with its
-half groove where its tip is. How far the tips are off their places is stated on its own.
+float32 moves each tip by up to one step, and each half groove with it, and lifts resin by less than
+a step: a facet is compared with its half groove where its tip and contact point are. How far the
+tips are off their places is stated on its own.
 """
 
 from pathlib import Path
@@ -18,7 +19,7 @@ from mpfcad.cad.mesh_check import (
     refuse_above,
     select_top,
 )
-from mpfcad.cad.rounding import round_tips
+from mpfcad.cad.rounding import coarsest_step, round_contact, round_tips
 from mpfcad.film import PrismFilm
 from mpfcad.units import deg
 
@@ -103,8 +104,8 @@ class _Facets:
         self.shift = self.moved[self.groove + beyond]
         self.left, self.right = left - self.shift, right - self.shift
         self.middle = middle - self.shift - film.groove_position[self.groove]
-        self.contact = mesh_contact(film)
-        self.step = float(np.spacing(np.float32(film.width)))
+        self.step = coarsest_step(film, np.float32)
+        self.contact, self.lift = round_contact(film, mesh_contact(film), self.step)
 
     def _angle_at(self, local: NDArray, wall: NDArray) -> NDArray:
         """Return the surface's angle [rad] at `local` [mm], on the wall or on the parabola."""
@@ -132,14 +133,15 @@ class _Facets:
         A wall without resin goes on beyond the middle: a groove made wider is deeper there.
         """
         film = self.film
-        curvature, contact, side = (
+        of_groove = (film.curvature, self.contact, self.lift)
+        curvature, contact, lift, side = (
             part.reshape(-1, *[1] * (local.ndim - 1))
-            for part in (film.curvature[self.groove], self.contact[self.groove], self.side)
+            for part in (*(part[self.groove] for part in of_groove), self.side)
         )
         drop = (film.groove.half_width - local) * (film.groove.half_width + local)
         wall = film.base + film.groove.wall_slope * side * local
         bare = (np.abs(local) > contact) | (contact == 0)
-        return np.where(bare, wall, film.thickness - curvature / 2 * drop)
+        return np.where(bare, wall, film.thickness + lift - curvature / 2 * drop)
 
     def end_error(self) -> float:
         """Return the largest angle [rad] between a facet and the surface at its ends."""
@@ -159,11 +161,10 @@ class _Facets:
     def rounding(self) -> float:
         """Return the angle [rad] by which float32 may turn a facet from the surface at its middle.
 
-        One step in x, at a contact point, over a wall; and one in z over a facet.
+        One step in z over a facet.
         """
-        turn = self.step / self.film.groove.half_width
         rise = np.spacing(np.float32(self.film.thickness)) / np.median(self.right - self.left)
-        return float(np.hypot(turn, rise))
+        return float(rise)
 
     def _local(self) -> NDArray[np.float64]:
         """Return the corners' x [mm] from the centre of the groove, (t, 3)."""
@@ -186,7 +187,7 @@ class _Facets:
     def curvature(self) -> NDArray[np.float64]:
         """Return C [1/mm] of each groove by least squares over the corners above its walls.
 
-        On the parabola, top - z = C/2 (w² - x²). A groove without such corners counts as empty.
+        On the parabola, top + lift - z = C/2 (w² - x²). Without such corners it counts as empty.
         """
         film = self.film
         local = self._local()
@@ -200,7 +201,8 @@ class _Facets:
         room = np.where(used, room, 0.0)
         groove = np.broadcast_to(self.groove[:, None], room.shape).ravel()
         count = film.groove_count
-        drop = np.bincount(groove, ((film.thickness - z) * room).ravel(), count)
+        top = film.thickness + self.lift[self.groove, None]
+        drop = np.bincount(groove, ((top - z) * room).ravel(), count)
         square = np.bincount(groove, (room**2).ravel(), count)
         empty = np.full(count, film.groove.curvature_empty)
         return np.divide(2 * drop, square, out=empty, where=square > 0)
