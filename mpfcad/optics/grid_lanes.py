@@ -19,7 +19,6 @@ from mpfcad.optics.lanes import (
     copy_sign,
     count_of,
     magnitude,
-    real,
     select,
     spread,
 )
@@ -33,8 +32,8 @@ from mpfcad.optics.sampling import (
     PATH1,
     SPARE,
     STREAM,
-    philox4x32,
 )
+from mpfcad.optics.sampling_lanes import next_two, take
 
 # Columns of a ray's place and first rows of the lanes' scratch.
 X, Y, Z, DX, DY, DZ = range(6)
@@ -109,11 +108,8 @@ def grid_passages(tile, index, index_below, offset, rays, place, up, way, rng):
             approach = dx * nx + dy * ny + dz * nz
             width = magnitude(approach)
             reflectance, cos_out = fresnel(select(width < 1.0, width, 1.0), ratio)
-            a, b, c, d = philox4x32(draw, stream, path0, path1, key0, key1)
-            number = real(select(has, spare, (a << 32) | b) >> 11) * 2.0**-53
-            spare = select(meets & (has ^ True), (c << 32) | d, spare)
-            draw = select(meets & (has ^ True), draw + 1, draw)
-            has = has ^ meets
+            number, _, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+            draw, spare, has = take(draw, spare, has, aft, meets, none)
             mirrored = number < reflectance
             bend = select(
                 mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach
