@@ -221,7 +221,7 @@ def pillar_mesh() -> FilmMesh:
 
 def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
-    wave = Wave.empty(len(scene.kind), len(flow))
+    wave = Wave.empty(len(scene.kind))
     trace_paths(
         scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
     )  # fmt: skip

@@ -27,10 +27,10 @@ _FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST = range(5)
 
 
 @kernel
-def cavity_passages(cavity, slots, wave):
+def cavity_passages(cavity, slots, wave, sums):
     """Follow the rays of up to eight slots, which come from above, through an endless cavity.
 
-    `cavity` are its parameters; its reflector is no table.
+    `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went.
     """
     place, rng = wave.lane_place, wave.lane_rng
     for i in range(LANES):
@@ -49,11 +49,10 @@ def cavity_passages(cavity, slots, wave):
         wave.way[slot] = 1
         flow = wave.lane_flow
         wave.radiance[slot] += flow[i, _FOUND]
-        once = wave.once[slot]
-        once[FLOW_LAMPS] += flow[i, _LAMPS]
-        once[FLOW_ELEMENTS] += flow[i, _ELEMENT]
-        once[FLOW_ROULETTE] += flow[i, _ROULETTE]
-        once[FLOW_LOST] += flow[i, _LOST]
+        sums[FLOW_LAMPS] += flow[i, _LAMPS]
+        sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
+        sums[FLOW_ROULETTE] += flow[i, _ROULETTE]
+        sums[FLOW_LOST] += flow[i, _LOST]
 
 
 @kernel
@@ -85,6 +84,11 @@ def _follow(cavity, place, rng, flow):
         step = select(lamp, distance, select(up | down, plane, 0.0))
         x, y = x + step * dx, y + step * dy
         z = select(floor, 0.0, select(lamp, z + step * dz, z))
+        alive = lamp | floor
+        if not any_of(alive):
+            lost = lost + select(stuck, weight, 0.0)
+            weight = select(stuck, 0.0, weight)
+            break
         # Weight and light found.
         fresh = lamp & (((number >= first) & (number <= last)) ^ True)
         found = found + select(fresh, weight * luminance, 0.0)

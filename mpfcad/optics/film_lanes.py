@@ -6,6 +6,8 @@ or reflects at the segment it meets there, and does the same at the underside if
 in its way down.
 """
 
+from numba import uint64
+
 from mpfcad.optics.chain_walk import leave_run, meet_in_run, next_run, run_data, zone_entry
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
@@ -15,6 +17,7 @@ from mpfcad.optics.lanes import (
     bits,
     copy_sign,
     floor,
+    lowest_bit,
     magnitude,
     select,
     spread,
@@ -129,17 +132,15 @@ def film_passages(
         unused = select(has, 1, 0)
         store_lines(lane_rng, key0, key1, path0, path1, stream, draw, spare, unused)
         left, downward, astray = bits(ended), bits(down), bits(lost)
-        lane = 0
         while left:
-            if left & 1:
-                ray = lane_ray[0, lane]
-                store(place, ray, load(lane_place, lane))
-                store(rng, ray, load(lane_rng, lane))
-                sign = -1 if (downward >> lane) & 1 else 1
-                way[ray] = 0 if (astray >> lane) & 1 else sign
-                following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
-            left >>= 1
-            lane += 1
+            lane = lowest_bit(left)
+            left &= left - 1
+            ray = uint64(lane_ray[0, uint64(lane)])
+            store(place, ray, load(lane_place, lane))
+            store(rng, ray, load(lane_rng, lane))
+            sign = -1 if (downward >> lane) & 1 else 1
+            way[ray] = 0 if (astray >> lane) & 1 else sign
+            following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
         live = load(lane_ray, 0) >= 0
         began = ended & live
 
@@ -148,10 +149,10 @@ def film_passages(
 def _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray):
     """Put the queue's next ray into a lane, or empty it; return the number of the one after."""
     if following == len(rays):
-        lane_ray[0, lane] = _EMPTY
+        lane_ray[0, uint64(lane)] = _EMPTY
         return following
-    ray = rays[following]
+    ray = rays[uint64(following)]
     store(lane_place, lane, load(place, ray))
     store(lane_rng, lane, load(rng, ray))
-    lane_ray[0, lane] = ray
+    lane_ray[0, uint64(lane)] = ray
     return following + 1

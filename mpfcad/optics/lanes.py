@@ -206,6 +206,16 @@ def count_of(typingctx, mask):
 
 
 @intrinsic
+def lowest_bit(typingctx, x):
+    """Return the number of the lowest bit that is set in a whole number other than 0."""
+
+    def lower(context, builder, sig, args):
+        return builder.cttz(args[0], ir.Constant(ir.IntType(1), 1))
+
+    return types.int64(types.int64), lower
+
+
+@intrinsic
 def any_of(typingctx, mask):
     """Return whether the mask holds in any lane."""
 

@@ -1,33 +1,42 @@
 """The random numbers of eight paths at once: those of `sampling`, from generators in lanes."""
 
-from numba import uint64
+import numpy as np
+from numba import int64
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import any_of, real, select
-from mpfcad.optics.lanes_array import load_lines
+from mpfcad.optics.lanes import LANES, any_of, real, select, spread
+from mpfcad.optics.lanes_array import load
 from mpfcad.optics.net import DIMENSIONS, NET
-from mpfcad.optics.sampling import BLOCK, HAS_SPARE, KEYS, SPARE, net_number, philox4x32, start_path
+from mpfcad.optics.sampling import KEYS, net_number, philox4x32
 
 _TO_UNIT = 2.0**-53
+_LOW = 0xFFFFFFFF
+_NET_DIGITS = NET.bit_length() - 1
+_COUNT = np.arange(LANES, dtype=np.int64).reshape(1, LANES)
 
 
 @kernel
-def start_net_paths(rng, seed, stream, path, points, count):
-    """Set the first `count` of rng (8, 8) as `start_net_path` does, for paths that follow `path`.
+def start_net_paths(seed, stream, path, points):
+    """Return the generators of eight paths from `path` on, as `start_net_path` sets them.
 
-    Return them as lanes: (key0, key1, path0, path1, stream, draw, spare).
+    (key0, key1, path0, path1, stream, draw, spare), and each path's point.
     """
-    for i in range(count):
-        start_path(rng[i], seed, stream, path + uint64(i))
-        turn = (path + uint64(i)) // points
-        net = (turn // uint64(NET)) * points + (path + uint64(i)) % points
-        # Until the keys are drawn, these hold the net and the point of it.
-        rng[i, BLOCK], rng[i, HAS_SPARE] = net & uint64(0xFFFFFFFF), net >> uint64(32)
-        rng[i, SPARE] = turn % uint64(NET)
-    key0, key1, path0, path1, stream, net0, index, net1 = load_lines(rng)
-    a, b, _, _ = philox4x32((net0 ^ net0) | KEYS, stream, net0, net1, key0, key1)
-    spare = (((a << 32) | b) & -NET) | index
-    return key0, key1, path0, path1, stream, (net0 ^ net0) - DIMENSIONS, spare
+    number = load(_COUNT, 0)
+    turn = spread(int64(path // points))
+    point = number + int64(path % points)
+    around = int64(points)
+    while any_of(point >= around):
+        over = select(point >= around, 1, 0)
+        point, turn = point - over * around, turn + over
+    number = number + int64(path)
+    path0, path1 = number & _LOW, number >> 32
+    key0, key1 = spread(int64(seed)) & _LOW, spread(int64(seed)) >> 32
+    stream = spread(int64(stream))
+    net = (turn >> _NET_DIGITS) * around + point
+    every = (net ^ net) | KEYS
+    a, b, _, _ = philox4x32(every, stream, net & _LOW, net >> 32, key0, key1)
+    spare = (((a << 32) | b) & -NET) | (turn & (NET - 1))
+    return key0, key1, path0, path1, stream, (net ^ net) - DIMENSIONS, spare, point
 
 
 @kernel

@@ -14,6 +14,7 @@ from mpfcad.optics.bvh import Bvh
 from mpfcad.optics.chain import Chain
 from mpfcad.optics.grid import Grid
 from mpfcad.optics.kernel import kernel
+from mpfcad.optics.lanes_array import aligned
 from mpfcad.optics.section import Section
 from mpfcad.optics.tile import NO_TILE, Tile
 
@@ -62,7 +63,10 @@ def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]
     """Return accelerators of one kind with their arrays joined, and where each part begins."""
     counts = np.array([[len(array) for array in part] for part in parts])
     at = np.concatenate([np.zeros((1, counts.shape[1]), np.int64), np.cumsum(counts, axis=0)])
-    arrays = (np.concatenate(same) for same in zip(*parts, strict=True))
+    arrays = []
+    for same in zip(*parts, strict=True):
+        joined = aligned((sum(map(len, same)), *same[0].shape[1:]), same[0].dtype)
+        arrays.append(np.concatenate(same, out=joined))
     return type(parts[0])(*arrays), at
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.film_lanes import PLACE_SIZE
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import LANES
+from mpfcad.optics.lanes_array import aligned
 from mpfcad.optics.sampling import RNG_SIZE
 
 #: Paths under way at once: their slots fit the processor's second cache.
@@ -20,7 +21,7 @@ SLOTS = 1024
 
 
 class Wave(NamedTuple):
-    """Paths under way, one a slot, s slots; e elements, f flows.
+    """Paths under way, one a slot, s slots; e elements.
 
     Attributes
     ----------
@@ -34,8 +35,6 @@ class Wave(NamedTuple):
         (s,) int64, the lamp that the path starts on; its number in the block
     rng
         (s, 8) uint64, generators
-    once
-        (s, f) float64, where the path's weight went
     queue, length
         (e, s) int64, slots that wait before each element; (e,) int64, how many
     batch, freed
@@ -52,7 +51,6 @@ class Wave(NamedTuple):
     lamp: NDArray[np.int64]
     path: NDArray[np.int64]
     rng: NDArray[np.uint64]
-    once: NDArray[np.float64]
     queue: NDArray[np.int64]
     length: NDArray[np.int64]
     batch: NDArray[np.int64]
@@ -64,19 +62,22 @@ class Wave(NamedTuple):
     lane_weight: NDArray[np.float64]
 
     @classmethod
-    def empty(cls, elements: int, flows: int) -> "Wave":
+    def empty(cls, elements: int) -> "Wave":
         """Return the scratch of a wave through a number of elements."""
 
+        def real(*shape: int) -> NDArray[np.float64]:
+            return aligned(shape, np.float64)
+
         def whole(*shape: int) -> NDArray[np.int64]:
-            return np.zeros(shape, np.int64)
+            return aligned(shape, np.int64)
 
         return cls(
-            np.zeros((SLOTS, PLACE_SIZE)), np.zeros(SLOTS), np.zeros(SLOTS),
+            real(SLOTS, PLACE_SIZE), real(SLOTS), real(SLOTS),
             whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
-            np.zeros((SLOTS, RNG_SIZE), np.uint64), np.zeros((SLOTS, flows)),
+            aligned((SLOTS, RNG_SIZE), np.uint64),
             whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
-            np.zeros((LANES, PLACE_SIZE)), np.zeros((LANES, RNG_SIZE), np.uint64),
-            np.zeros((LANES, LANES)), whole(1, LANES), np.zeros((1, LANES)),
+            real(LANES, PLACE_SIZE), aligned((LANES, RNG_SIZE), np.uint64),
+            real(LANES, LANES), whole(1, LANES), real(1, LANES),
         )  # fmt: skip
 
 
