@@ -53,14 +53,41 @@ def check_agreement(
     corner, _ = read_facets(Path(stl))
     points = np.unique(corner.reshape(-1, 3), axis=0)
     distance = float(_distance(points, read_step_text(Path(step))).max())
-    limit = float(np.spacing(np.float32(points[:, :2].max()))) + DISTANCE_TOLERANCE
+    names = Path(step).name, Path(stl).name
+    return agreement_of(names, corner, points, distance, step_volume, volume_tolerance)
+
+
+def distance_limit(points: NDArray[np.float64]) -> float:
+    """Return how far [mm] corners of an STL of this size may be from the STEP."""
+    return float(np.spacing(np.float32(points[:, :2].max()))) + DISTANCE_TOLERANCE
+
+
+def agreement_of(
+    names: tuple[str, str],
+    corner: NDArray[np.float64],
+    points: NDArray[np.float64],
+    distance: float,
+    step_volume: float,
+    volume_tolerance: float,
+) -> Agreement:
+    """Return the agreement of files (STEP, STL) of these names, once it is good enough.
+
+    corner: (t, 3, 3) float64 [mm], facets of the STL; points: (v, 3) their distinct corners, the
+    farthest of which is `distance` [mm] off.
+
+    Raises
+    ------
+    ExportError
+        when they are not the same film.
+    """
+    limit = distance_limit(points)
     # The same sum as of every closed mesh, about its middle for the sake of rounding.
     a, b, c = np.moveaxis(corner - points.mean(axis=0), 1, 0)
     volume = float(np.sum(a * np.cross(b, c)) / 6)
     difference = abs(volume / step_volume - 1)
     if not (distance <= limit and difference <= volume_tolerance):
         raise ExportError(
-            f"{Path(stl).name}: {distance:.3g} mm off {Path(step).name} (limit {limit:.3g} mm),"
+            f"{names[1]}: {distance:.3g} mm off {names[0]} (limit {limit:.3g} mm),"
             f" volume {difference:.3g} (limit {volume_tolerance:g})"
         )
     return Agreement(distance, limit, difference, volume_tolerance)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.agreement import DISTANCE_TOLERANCE, Agreement, to_walls
+from mpfcad.cad.agreement import Agreement, agreement_of, distance_limit, to_walls
 from mpfcad.cad.mesh_check import join_corners, read_facets
 from mpfcad.cad.step_text import read_step_text
 from mpfcad.errors import ExportError
@@ -98,22 +98,14 @@ def check_field_agreement(
     """
     corner, _ = read_facets(Path(stl))
     place, _ = join_corners(corner)
-    limit = float(np.spacing(np.float32(place[:, :2].max()))) + DISTANCE_TOLERANCE
     found = read_step_text(Path(step))
     walls = (np.abs(found.plane_normal[:, [0, 2]]) > 1e-9).all(axis=1)
-    off = read_patches(Path(step)).height_error(place, limit)
+    off = read_patches(Path(step)).height_error(place, distance_limit(place))
     if walls.any():
         anchor, normal = (
             part[walls][:, [0, 2]] for part in (found.plane_point, found.plane_normal)
         )
         off = np.minimum(off, to_walls(place[:, [0, 2]], anchor, normal))
     distance = float(np.minimum(off, np.abs(place[:, 2])).max())
-    a, b, c = np.moveaxis(corner - place.mean(axis=0), 1, 0)
-    volume = float(np.sum(a * np.cross(b, c)) / 6)
-    difference = abs(volume / step_volume - 1)
-    if not (distance <= limit and difference <= volume_tolerance):
-        raise ExportError(
-            f"{Path(stl).name}: {distance:.3g} mm off {Path(step).name} (limit {limit:.3g} mm),"
-            f" volume {difference:.3g} (limit {volume_tolerance:g})"
-        )
-    return Agreement(distance, limit, difference, volume_tolerance)
+    names = Path(step).name, Path(stl).name
+    return agreement_of(names, corner, place, distance, step_volume, volume_tolerance)

@@ -9,17 +9,16 @@ from numpy.typing import NDArray
 from mpfcad.cad.field_mesh import mesh_contact, mesh_sliver
 from mpfcad.cad.mesh_check import (
     MeshCheck,
-    check_closed,
-    check_extent,
-    read_facets,
+    angle_to_surface,
+    facet_area,
+    narrowest_side,
+    read_film_top,
     refuse_above,
-    select_top,
 )
-from mpfcad.cad.step_check import StepCheck, check_one_body
 from mpfcad.film import FieldPiece
 
-#: Largest relative error of the volume of a mesh (5° facets: 3e-4), and of a solid.
-VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-3, 1e-9
+#: Largest relative error of the volume of a mesh (5° facets: 3e-4).
+VOLUME_TOLERANCE = 1e-3
 #: Facets examined at a time.
 BLOCK = 1 << 18
 
@@ -35,11 +34,7 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
         [rad] and what float32 forces).
     """
     path = Path(path)
-    corner, normal = read_facets(path)
-    error = check_closed(path, corner, normal) / film.volume - 1
-    refuse_above(path, "relative volume error", abs(error), VOLUME_TOLERANCE)
-    check_extent(path, corner, (0, 0, 0), (*film.size, film.thickness))
-    facet = select_top(corner)
+    facet, count, error = read_film_top(path, film, VOLUME_TOLERANCE)
     step = float(np.spacing(np.float32(film.size[0])))
     blocks = range(0, len(facet), BLOCK)
     found = [_examine(film, facet[k : k + BLOCK], angle_tolerance, step) for k in blocks]
@@ -49,7 +44,7 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
     refuse_above(path, "normal error [rad]", worst.angle, worst.allowed)
     return MeshCheck(
         True,
-        float(error),
+        error,
         VOLUME_TOLERANCE,
         float(np.sqrt(sum(part.squares for part in found) / len(facet))),
         None,
@@ -57,7 +52,7 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
         worst.angle,
         worst.allowed,
         height,
-        len(corner),
+        count,
         recover_curvature(film, facet),
     )
 
@@ -76,12 +71,9 @@ def _examine(
 ) -> _Found:
     """Return the largest error of height [mm] and the angles [rad] of facets, (t, 3, 3)."""
     height = float(np.abs(facet[..., 2] - _mesh_height(film, facet)).max())
-    area = np.cross(facet[:, 1] - facet[:, 0], facet[:, 2] - facet[:, 0])
+    area = facet_area(facet)
     middle, corners = _angles(film, facet, area, step)
-    # Rounding turns a facet by a step over its narrowest side.
-    edge = np.linalg.norm(facet - np.roll(facet, 1, axis=1), axis=2)
-    narrow = np.linalg.norm(area, axis=1) / edge.max(axis=1)
-    allowed = angle_tolerance + step * (1 + film.steepest) / narrow
+    allowed = angle_tolerance + step * (1 + film.steepest) / narrowest_side(facet, area)
     worst = int(np.argmax(corners / allowed))
     squares = float(np.sum(middle**2))
     return _Found(height, squares, float(corners[worst]), float(allowed[worst]))
@@ -116,8 +108,8 @@ def _angles(
     for index in range(places.shape[1]):
         x, y = places[:, index, 0] - centre, places[:, index, 1]
         slope, along = _parabola_slope(film, groove, x, y, middle[:, 1])
-        curved[:, index] = _angle(slope, along, area)
-        wall[:, index] = _angle(film.groove.wall_slope * np.sign(local), 0.0 * x, area)
+        curved[:, index] = angle_to_surface(slope, along, area)
+        wall[:, index] = angle_to_surface(film.groove.wall_slope * np.sign(local), 0.0 * x, area)
     either = np.minimum(curved, wall)
     bare = film.groove.half_width - contact > 2 * mesh_sliver(film)
     is_wall = (bare & (outside > room))[:, None] & (film.profile == "filled")
@@ -142,15 +134,6 @@ def _parabola_slope(
     rate = change / np.diff(film.along)[index]
     w = film.groove.half_width
     return film.curvature_at(groove, y) * x, -rate / 2 * (w - x) * (w + x)
-
-
-def _angle(
-    slope: NDArray[np.float64], along: NDArray[np.float64], area: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the angle [rad] between facets and a surface of these slopes."""
-    surface = np.stack([-slope, -along, np.ones(len(area))], axis=1)
-    sine = np.linalg.norm(np.cross(surface, area), axis=1)
-    return np.arctan2(sine, np.sum(surface * area, axis=1))
 
 
 def recover_curvature(film: FieldPiece, facet: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -185,15 +168,3 @@ def curvature_difference(film: FieldPiece, found: NDArray[np.float64]) -> float:
     merged = mesh_contact(film, film.curvature) == 0
     wanted = np.where(merged, film.groove.curvature_empty, film.curvature)
     return float(np.abs(wanted - found).max())
-
-
-def check_field_step(path: Path, film: FieldPiece) -> StepCheck:
-    """Return what a STEP file holds, once it is found to be the film as one solid `film`.
-
-    Raises
-    ------
-    ExportError
-        when it holds another body, or one that is not valid or off in volume or extent.
-    """
-    high = (*film.size, film.thickness)
-    return check_one_body(path, "film", film.volume, (0, 0, 0), high, SOLID_VOLUME_TOLERANCE)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
+from mpfcad.film import CellFilm, FieldPiece
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,3 +148,40 @@ def select_top(corner: NDArray[np.float64]) -> NDArray[np.float64]:
     for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
         flat |= np.all(corner[:, :, axis] == level, axis=1)
     return corner[~flat]
+
+
+def read_film_top(
+    path: Path, film: CellFilm | FieldPiece, volume_tolerance: float
+) -> tuple[NDArray[np.float64], int, float]:
+    """Return the facets of a film's top, (s, 3, 3) float64 [mm], of how many, and the volume error.
+
+    Raises
+    ------
+    ExportError
+        when the file is not one closed body facing outward, or is off in volume or extent.
+    """
+    corner, normal = read_facets(path)
+    error = check_closed(path, corner, normal) / film.volume - 1
+    refuse_above(path, "relative volume error", abs(error), volume_tolerance)
+    check_extent(path, corner, (0, 0, 0), (*film.size, film.thickness))
+    return select_top(corner), len(corner), float(error)
+
+
+def facet_area(facet: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return twice the area of facets (t, 3, 3) as vectors along their normals, (t, 3) [mm²]."""
+    return np.cross(facet[:, 1] - facet[:, 0], facet[:, 2] - facet[:, 0])
+
+
+def narrowest_side(facet: NDArray[np.float64], area: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the least height [mm] of facets of these areas: rounding turns a facet over it."""
+    edge = np.linalg.norm(facet - np.roll(facet, 1, axis=1), axis=2)
+    return np.linalg.norm(area, axis=1) / edge.max(axis=1)
+
+
+def angle_to_surface(
+    across: NDArray[np.float64], along: NDArray[np.float64], area: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the angle [rad] between facets and a surface of the slopes dz/dx, dz/dy, (t,)."""
+    surface = np.stack([-across, -along, np.ones(len(area))], axis=1)
+    sine = np.linalg.norm(np.cross(surface, area), axis=1)
+    return np.arctan2(sine, np.sum(surface * area, axis=1))

@@ -18,8 +18,8 @@ from mpfcad.cad.step_check import StepCheck, check_one_body
 from mpfcad.film import PrismFilm, Section
 from mpfcad.film.section import ARC
 
-#: Largest relative error of the volume of a mesh, and of a solid.
-VOLUME_TOLERANCE, SOLID_VOLUME_TOLERANCE = 1e-4, 1e-9
+#: Largest relative error of the volume of a mesh.
+VOLUME_TOLERANCE = 1e-4
 
 
 def check_section_stl(
@@ -115,4 +115,4 @@ def check_section_step(path: Path, section: Section, body: str) -> StepCheck:
     """
     low = (0.0, 0.0, section.underside)
     high = (section.width, section.length, section.underside + section.thickness)
-    return check_one_body(path, body, section.volume, low, high, SOLID_VOLUME_TOLERANCE)
+    return check_one_body(path, body, section.volume, low, high)

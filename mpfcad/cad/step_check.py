@@ -16,7 +16,7 @@ from mpfcad.cad.solid import Bodies
 from mpfcad.cad.step_read import read_bodies
 from mpfcad.cad.step_text import MILLIMETRE, check_text, read_step_text
 from mpfcad.errors import ExportError
-from mpfcad.film import PrismFilm
+from mpfcad.film import CellFilm, FieldPiece, PrismFilm
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -111,15 +111,14 @@ def check_one_body(
     volume: float,
     low: tuple[float, float, float],
     high: tuple[float, float, float],
-    volume_tolerance: float,
 ) -> StepCheck:
     """Return what the STEP file at `path` holds, once it is one solid `body` of this size [mm].
 
     Raises
     ------
     ExportError
-        when it is not in mm, holds another body, or one that is not valid or off in volume (by more
-        than `volume_tolerance`) or extent.
+        when it is not in mm, holds another body, or one that is not valid or off in volume or
+        extent.
     """
     path = Path(path)
     units = read_step_text(path).units
@@ -131,11 +130,23 @@ def check_one_body(
     check_solids(path, body, shapes[body], 1)
     found = enclosed_volume(shapes[body])
     error = abs(found / volume - 1)
-    refuse_above(path, "relative volume error", error, volume_tolerance)
+    refuse_above(path, "relative volume error", error, VOLUME_TOLERANCE)
     corners = bounding_box(shapes)
     off = max(float(np.abs(a - b).max()) for a, b in zip(corners, (low, high), strict=True))
     refuse_above(path, "extent error [mm]", off, EXTENT_TOLERANCE)
     return StepCheck(True, {body: found}, error, *map(_triple, corners), "mm", {body: 1})
+
+
+def check_film_body(path: Path, film: CellFilm | FieldPiece) -> StepCheck:
+    """Return what a STEP file holds, once it is found to be the film as one solid `film`.
+
+    Raises
+    ------
+    ExportError
+        when it holds another body, or one that is not valid or off in volume or extent.
+    """
+    high = (*film.size, film.thickness)
+    return check_one_body(path, "film", film.volume, (0, 0, 0), high)
 
 
 def check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> None:

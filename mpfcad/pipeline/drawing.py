@@ -127,10 +127,11 @@ class _Cells(_Exact):
             stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
 
     def check(self, path: Path) -> Check:
-        from mpfcad.cad.cell_check import check_cell_step, check_cell_stl
+        from mpfcad.cad.cell_check import check_cell_stl
+        from mpfcad.cad.step_check import check_film_body
 
         if path.suffix == ".step":
-            return check_cell_step(path, self.film)
+            return check_film_body(path, self.film)
         return check_cell_stl(path, self.film, self.angle)
 
 
@@ -151,10 +152,11 @@ class _Field:
             stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
 
     def check(self, path: Path) -> Check:
-        from mpfcad.cad.field_check import check_field_step, check_field_stl
+        from mpfcad.cad.field_check import check_field_stl
+        from mpfcad.cad.step_check import check_film_body
 
         if path.suffix == ".step":
-            return check_field_step(path, self.film)
+            return check_film_body(path, self.film)
         return check_field_stl(path, self.film, self.angle)
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:

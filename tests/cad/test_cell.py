@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpfcad.cad import check_agreement
-from mpfcad.cad.cell_check import check_cell_step, check_cell_stl
+from mpfcad.cad.cell_check import check_cell_stl
 from mpfcad.cad.cell_mesh import build_cell_mesh
 from mpfcad.cad.cell_step import write_cell_step
+from mpfcad.cad.step_check import check_film_body
 from mpfcad.cad.stl import write_mesh
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CellFilm, Groove
@@ -50,7 +51,7 @@ def test_files_read_back(tmp_path, shape, profile, curvature):
     film = cells(shape, profile, curvature)
     path = tmp_path / "film.step"
     write_cell_step(film, path)
-    assert check_cell_step(path, film).volume_error < 1e-7
+    assert check_film_body(path, film).volume_error < 1e-7
     first = path.read_bytes()
     write_cell_step(film, path)
     assert path.read_bytes() == first
@@ -81,7 +82,7 @@ def test_another_film_is_noticed(tmp_path):
         with pytest.raises(ExportError):
             check_cell_stl(tmp_path / "film.stl", other, 1 * deg)
         with pytest.raises(ExportError):
-            check_cell_step(tmp_path / "film.step", other)
+            check_film_body(tmp_path / "film.step", other)
 
 
 def test_what_is_refused(tmp_path):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from mpfcad.cad.field_agreement import check_field_agreement
-from mpfcad.cad.field_check import check_field_step, check_field_stl, curvature_difference
+from mpfcad.cad.field_check import check_field_stl, curvature_difference
 from mpfcad.cad.field_mesh import build_field_mesh
 from mpfcad.cad.field_step import write_field_step
+from mpfcad.cad.step_check import check_film_body
 from mpfcad.cad.stl import write_mesh
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureField, FieldFilm, Groove, PrismFilm, cut_piece
@@ -65,7 +66,7 @@ def test_files_read_back(tmp_path, span, profile):
     film = window(*span, profile=profile)
     step, stl = tmp_path / "film.step", tmp_path / "film.stl"
     write_field_step(film, step)
-    found = check_field_step(step, film)
+    found = check_film_body(step, film)
     assert found.volume_error < 1e-9
     first = step.read_bytes()
     write_field_step(film, step)
@@ -91,7 +92,7 @@ def test_another_film_is_noticed(tmp_path):
         with pytest.raises(ExportError):
             check_field_stl(stl, other, 3 * deg)
         with pytest.raises(ExportError):
-            check_field_step(step, other)
+            check_film_body(step, other)
     write_field_step(replace(film, curvature=curvature), step)
     with pytest.raises(ExportError, match=r"off film\.step"):
         check_field_agreement(step, stl, film.volume, 1e-3)

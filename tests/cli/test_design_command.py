@@ -9,6 +9,7 @@ import tomllib
 import numpy as np
 import psutil
 import pytest
+from command import content, mpfcad
 
 DESIGN = """
 schema = 1
@@ -41,16 +42,6 @@ shift_mm = [0.0, 0.5]
 half_width = 0.0
 paths_million = 0.02
 """
-
-
-def mpfcad(*arguments, cwd):
-    code = "from mpfcad.cli import main; main()"
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600)
-
-
-def content(folder):
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
 @pytest.mark.slow

@@ -1,12 +1,11 @@
 """Thickness: the least that serves, where the luminance is the conventional stack's, more lamps."""
 
 import json
-import subprocess
-import sys
 import tomllib
 from types import SimpleNamespace
 
 import pytest
+from command import content, mpfcad
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,16 +49,6 @@ curvature_per_mm = 60.0
 half_width = 0.0
 paths_million = 0.02
 """
-
-
-def mpfcad(*arguments, cwd):
-    code = "from mpfcad.cli import main; main()"
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=1800)
-
-
-def content(folder):
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
 class KnownSearch(ThicknessSearch):
@@ -150,7 +139,7 @@ def test_a_sweep_over_thickness_and_lamps_says_which_thickness_serves(tmp_path):
 def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_path):
     (tmp_path / "design.toml").write_text(RANGE)
     arguments = ("design", "design.toml", "--no-verify", "--threads", "1")
-    result = mpfcad(*arguments, cwd=tmp_path)
+    result = mpfcad(*arguments, cwd=tmp_path, timeout=1800)
     assert result.returncode == 0, result.stderr
     out = tmp_path / "exports" / "least-design"
     whole = content(out)
@@ -171,7 +160,7 @@ def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_pa
 
     # As if it had been killed before the traces of that thickness.
     (tmp_path / "exports" / f".least-design-{least:g}mm.traces.json").unlink()
-    result = mpfcad(*arguments, cwd=tmp_path)
+    result = mpfcad(*arguments, cwd=tmp_path, timeout=1800)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("tracing iteration 1") == 1
     assert "tracing the conventional stack" not in result.stderr

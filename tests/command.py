@@ -1,0 +1,16 @@
+"""What the tests of the command line share: a run in a process of its own, a folder's bytes."""
+
+import subprocess
+import sys
+
+
+def mpfcad(*arguments, cwd, timeout=600):
+    """Run the command line in its own process."""
+    code = "from mpfcad.cli import main; main()"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=timeout)
+
+
+def content(folder):
+    """Return the bytes of each file by its name."""
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
