@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh_build import LEAF, binary_tree
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES, bits, select, spread
+from mpfcad.optics.lanes import LANES, bits, lowest_bit, select, spread
 from mpfcad.optics.lanes_array import load, local_floats, local_wholes, store
 from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.triangle import triangle_distances
+from mpfcad.optics.seam import facet_normals, with_seam
+from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, turned
 
 _STACK = 256
 
@@ -30,12 +31,13 @@ class Bvh(NamedTuple):
     box
         (6n, 8) float64 [mm], for each node the low and high x, y, z of its children
     child
-        (n, 8) int64, a node's number, or -1 - number of a leaf; 0 (the root) where there is none
+        (n, 8) int64, a node's number, or -1 - number of a leaf; any where there is none
     corner
         (9l, 8) float64 [mm], for each leaf the corners of its triangles, x, y, z each; places left
         over repeat the first corner
     facet
-        (l, 8) int64, the triangles' numbers in `normal`, -1 where none
+        (l, 8) int64, the triangles' numbers in `normal`, -1 where none; those at the tile's sides
+        are there again beyond the opposite ones
     normal
         (t, 3) float64, outward unit normals in the order of the mesh
     """
@@ -49,13 +51,12 @@ class Bvh(NamedTuple):
 
 def build_bvh(mesh: FilmMesh) -> Bvh:
     """Return the tree over the top facets of a film mesh."""
-    corner = mesh.vertex[mesh.top]
+    corner, number = with_seam(mesh.vertex[mesh.top], *mesh.size[:2])
     low, high = corner.min(axis=1), corner.max(axis=1)
     order, box, leaf, skip = binary_tree(low, high, (low + high) / 2)
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    # Widen the boxes by the rounding of the slab test, so that no facet on a face is lost.
-    margin = 8 * np.finfo(float).eps * max(mesh.size)
+    normal = facet_normals(mesh.vertex[mesh.top])
+    # Widen the boxes by more than the rounding of what is tested, so that no facet is lost.
+    margin = 64 * np.finfo(float).eps * max(mesh.size)
     box[:, :3] -= margin
     box[:, 3:] += margin
     wide, child, used = _widen(box, leaf, skip)
@@ -63,7 +64,7 @@ def build_bvh(mesh: FilmMesh) -> Bvh:
     place = np.minimum(np.arange(LEAF), blocks[:, 1:] - 1) + blocks[:, :1]
     facet = order[place]
     points = corner[facet].reshape(len(blocks), LEAF, 9).transpose(0, 2, 1)
-    facet = np.where(np.arange(LEAF) < blocks[:, 1:], facet, -1)
+    facet = np.where(np.arange(LEAF) < blocks[:, 1:], number[facet], -1)
     # A triangle of one point is met by no ray.
     points = np.where(facet[:, None] < 0, np.tile(points[:, :3, :1], (1, 3, LEAF)), points)
     return Bvh(
@@ -103,7 +104,8 @@ def _widen(box, leaf, skip):
             count += 1
         for i in range(LANES):
             for row in range(6):
-                wide[number, row, i] = box[members[i], row] if i < count else np.inf
+                empty = np.inf if row < 3 else -np.inf
+                wide[number, row, i] = box[members[i], row] if i < count else empty
             if i >= count:
                 continue
             if leaf[members[i], 1] > 0:
@@ -123,23 +125,43 @@ def _inverse(component):
 
 
 @kernel
-def _slab(near, far, low, high, origin, inverse):
+def _slab(near, far, first, last, origin, inverse):
     """Narrow [near, far] to a box's slab; a NaN (ray in a face) counts as inside."""
-    a, b = (low - origin) * inverse, (high - origin) * inverse
-    first, last = select(a > b, b, a), select(a > b, a, b)
+    first, last = (first - origin) * inverse, (last - origin) * inverse
     return select(first > near, first, near), select(last < far, last, far)
 
 
 @kernel
-def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, nearest, farthest):
-    """Return (facet or -1, distance) of the first facet in [nearest, farthest] facing `side`."""
+def _corner(bvh, row, ray, axes):
+    """Return a corner of eight facets, relative to a ray's start and turned."""
+    return (
+        load(bvh.corner, row + axes[0]) - ray[0],
+        load(bvh.corner, row + axes[1]) - ray[1],
+        load(bvh.corner, row + axes[2]) - ray[2],
+    )
+
+
+@kernel
+def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
+    """Return (facet or -1, distance) of the first facet up to `farthest` that faces `side`.
+
+    A facet over which the ray starts by no more than the rounding of its start, `slack` [mm], is
+    met at distance 0.
+    """
+    aim = aim_at(dx, dy, dz, side)
+    axes = turned(aim.by_x, aim.by_y, 0, 1, 2)
+    start = turned(aim.by_x, aim.by_y, ox, oy, oz)
     ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
+    # Rows of the faces by which the ray comes into a box, and of those by which it leaves.
+    x_in, y_in, z_in = 0 if ix > 0.0 else 3, 1 if iy > 0.0 else 4, 2 if iz > 0.0 else 5
+    x_out, y_out, z_out = 3 - x_in, 5 - y_in, 7 - z_in
+    behind = -BEHIND * slack
     node_of = local_wholes(_STACK)
     near_of = local_floats(_STACK)
     lane = local_floats(LANES)
     best = farthest
     found = -1
-    node_of[0], near_of[0] = 0, nearest
+    node_of[0], near_of[0] = 0, behind
     depth = 1
     while depth > 0:
         depth -= 1
@@ -148,31 +170,42 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, nearest, farthest):
         node = node_of[depth]
         if node < 0:
             number = -1 - node
-            distance = triangle_distances(bvh.corner, 9 * number, ox, oy, oz, dx, dy, dz, side)
-            mask = bits((distance >= nearest) & (distance <= best))
-            if mask:
-                store(lane, 0, distance)
-                for i in range(LANES):
-                    facet = bvh.facet[number, i]
-                    # Of facets at one distance, the first in the mesh: whatever the tree.
-                    if (mask >> i) & 1 and (
-                        lane[i] < best or (lane[i] == best and (found < 0 or facet < found))
-                    ):
-                        best, found = lane[i], facet
+            a = _corner(bvh, 9 * number, start, axes)
+            b = _corner(bvh, 9 * number + 3, start, axes)
+            c = _corner(bvh, 9 * number + 6, start, axes)
+            met, distance = facet_distance(aim, a, b, c, slack)
+            mask = bits(met)
+            if mask == 0:
+                continue
+            mask = bits(met & (distance >= behind) & (distance <= best))
+            store(lane, 0, distance)
+            while mask:
+                i = lowest_bit(mask)
+                mask &= mask - 1
+                facet = bvh.facet[number, i]
+                reach = lane[i]
+                if reach < 0.0:
+                    n = bvh.normal[facet]
+                    if reach * abs(n[0] * dx + n[1] * dy + n[2] * dz) < -slack:
+                        continue
+                    reach = 0.0
+                # Of facets at one distance, the first in the mesh: whatever the tree.
+                if reach < best or (reach == best and (found < 0 or facet < found)):
+                    best, found = reach, facet
             continue
         box = 6 * node
-        near, far = spread(nearest), spread(best)
-        near, far = _slab(near, far, load(bvh.box, box), load(bvh.box, box + 3), ox, ix)
-        near, far = _slab(near, far, load(bvh.box, box + 1), load(bvh.box, box + 4), oy, iy)
-        near, far = _slab(near, far, load(bvh.box, box + 2), load(bvh.box, box + 5), oz, iz)
-        mask = bits((near <= far * (1.0 + 4e-16) + 1e-300) & (load(bvh.child, node) != 0))
-        if not mask:
+        near, far = spread(behind), spread(best)
+        near, far = _slab(near, far, load(bvh.box, box + x_in), load(bvh.box, box + x_out), ox, ix)
+        near, far = _slab(near, far, load(bvh.box, box + y_in), load(bvh.box, box + y_out), oy, iy)
+        near, far = _slab(near, far, load(bvh.box, box + z_in), load(bvh.box, box + z_out), oz, iz)
+        mask = bits(near <= far)
+        if mask == 0:
             continue
         store(lane, 0, near)
         bottom = depth
-        for i in range(LANES):
-            if not (mask >> i) & 1:
-                continue
+        while mask:
+            i = lowest_bit(mask)
+            mask &= mask - 1
             # The nearest lies on top of the stack.
             distance = lane[i]
             k = depth
@@ -226,12 +259,17 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
         to_x = ((width if dx > 0.0 else 0.0) - x) / dx if dx != 0.0 else math.inf
         to_y = ((length if dy > 0.0 else 0.0) - y) / dy if dy != 0.0 else math.inf
         edge = max(0.0, min(to_x, to_y))
-        # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
+        # Leaving zone and tile is known to the rounding over the slope: much, for a grazing ray.
         leave = math.inf
         if dz != 0.0:
             leave = ((high if upward else low) - z) / dz + slack / abs(dz)
-        reach = min(edge, leave) + slack
-        facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, -slack, reach)
+        beyond = math.inf
+        if dx != 0.0:
+            beyond = to_x + slack / abs(dx)
+        if dy != 0.0:
+            beyond = min(beyond, to_y + slack / abs(dy))
+        reach = min(beyond, leave) + slack
+        facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, slack, reach)
         if facet >= 0:
             x, y, z = x + distance * dx, y + distance * dy, z + distance * dz
             return facet, x, y, z, shift_x, shift_y

@@ -35,7 +35,8 @@ class Grid(NamedTuple):
         (3e, 4) float64, three rows for each place of a list: the corners [mm] and the outward unit
         normal of its facet
     facet
-        (e,) int64, the facets' numbers in the order of the mesh, ascending in a list
+        (e,) int64, the facets' numbers in the order of the mesh; those at the tile's sides are
+        listed again beyond the opposite ones
     """
 
     count: NDArray[np.int64]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.grid import Grid
 from mpfcad.optics.grid_walk import MARGIN
 from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.seam import facet_normals, with_seam
 
 #: Facets a cell that are tried, and what suits: how often a facet is listed, and the longest list.
 _FACETS = (1.0, 2.0, 4.0, 8.0)
@@ -23,7 +24,7 @@ def build_grid(mesh: FilmMesh) -> Grid | None:
     """
     if not mesh.underside:
         return None
-    corner = mesh.vertex[mesh.top]
+    corner, number = with_seam(mesh.vertex[mesh.top], *mesh.size[:2])
     low, high = corner.min(axis=1), corner.max(axis=1)
     best, cheapest = None, math.inf
     for facets in _FACETS:
@@ -39,22 +40,20 @@ def build_grid(mesh: FilmMesh) -> Grid | None:
         return None
     count, first, last, times = best
     cell, facet = _lists(count, first, last, times)
-    number = np.bincount(cell, minlength=count.prod())
-    if number.max() > _LONGEST:
+    many = np.bincount(cell, minlength=count.prod())
+    if many.max() > _LONGEST:
         return None
-    begin = np.cumsum(number) - number
-    z = np.stack([np.full(len(number), np.inf), np.full(len(number), -np.inf)], axis=1)
-    held = np.flatnonzero(number)
+    begin = np.cumsum(many) - many
+    z = np.stack([np.full(len(many), np.inf), np.full(len(many), -np.inf)], axis=1)
+    held = np.flatnonzero(many)
     # The z range is wider than the rounding of what is compared with it.
-    margin = 1e-9 * mesh.size[2]
+    margin = 1e-9 * max(mesh.size)
     z[held, 0] = np.minimum.reduceat(low[facet, 2], begin[held]) - margin
     z[held, 1] = np.maximum.reduceat(high[facet, 2], begin[held]) + margin
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    rows = np.concatenate([corner.reshape(-1, 9), normal], axis=1)
+    rows = np.concatenate([corner.reshape(-1, 9), facet_normals(corner)], axis=1)
     return Grid(
-        count, np.column_stack([z, begin, number]).astype(float),
-        rows[facet].reshape(-1, 4), facet,
+        count, np.column_stack([z, begin, many]).astype(float),
+        rows[facet].reshape(-1, 4), number[facet],
     )  # fmt: skip
 
 

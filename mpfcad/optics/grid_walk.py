@@ -9,7 +9,7 @@ from typing import NamedTuple
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import any_of, copy_sign, floor, magnitude, select, whole
 from mpfcad.optics.lanes_array import gather, gather_row
-from mpfcad.optics.triangle import facet_distances
+from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, turned
 
 #: How far [cells] a facet may reach over a line unlisted; a ray's reach is wider by its rounding.
 MARGIN = 1 / 64
@@ -91,7 +91,11 @@ def start_walk(grid, size, low, high, x, y, z, dx, dy, dz):
     # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
     leave = (select(dz > 0.0, high, low) - z) / dz + slack / magnitude(dz)
     leave = select(magnitude(dz) > 0.0, leave, float("inf"))
-    best = select(edge < leave, edge, leave) + slack
+    # And leaving the tile.
+    beyond_x = to_x + select(magnitude(dx) > 0.0, slack / magnitude(dx), 0.0)
+    beyond_y = to_y + select(magnitude(dy) > 0.0, slack / magnitude(dy), 0.0)
+    best = select(beyond_x < beyond_y, beyond_x, beyond_y)
+    best = select(best < leave, best, leave) + slack
     p, q = x * (nx / width), y * (ny / length)
     # A speed of -0 is 0: it has no sign to step by.
     speed_p, speed_q = dx * (nx / width) + 0.0, dy * (ny / length) + 0.0
@@ -159,17 +163,24 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
     near = walking & (low <= walk.high) & (high >= walk.low)
     number = select(near, number, 0.0)
     begin = whole(begin)
+    aim = aim_at(dx, dy, dz, side)
     done = 0.0
     while any_of(number > done):
         entry = select(number > done, begin, 0)
         ax, ay, az, bx = gather_row(grid.corner, entry * 3)
         by, bz, cx, cy = gather_row(grid.corner, entry * 3 + 1)
         cz, _, _, _ = gather_row(grid.corner, entry * 3 + 2)
-        distance = facet_distances(
-            ax - x, ay - y, az - z, bx - x, by - y, bz - z, cx - x, cy - y, cz - z,
-            dx, dy, dz, side,
-        )  # fmt: skip
-        met = (number > done) & (distance >= -slack) & (distance <= best)
+        a = turned(aim.by_x, aim.by_y, ax - x, ay - y, az - z)
+        b = turned(aim.by_x, aim.by_y, bx - x, by - y, bz - z)
+        c = turned(aim.by_x, aim.by_y, cx - x, cy - y, cz - z)
+        met, distance = facet_distance(aim, a, b, c, slack)
+        met = met & (number > done) & (distance >= -BEHIND * slack) & (distance <= best)
+        over = met & (distance < 0.0)
+        if any_of(over):
+            _, across_x, across_y, across_z = gather_row(grid.corner, entry * 3 + 2)
+            gap = distance * magnitude(across_x * dx + across_y * dy + across_z * dz)
+            met = met & ((over & (gap < -slack)) ^ True)
+            distance = select(over, 0.0, distance)
         again = met & (place >= 0) & (distance == best)
         if any_of(again):
             later = gather(grid.facet, entry) >= gather(grid.facet, select(again, place, 0))

@@ -1,42 +1,91 @@
-"""A ray against triangles, eight at a time, in double precision, watertight along shared edges."""
+"""A ray against triangles, eight at a time, in double precision, watertight at edges and vertices.
+
+Corners are projected along the ray onto the plane across the axis that it is most parallel to, each
+by itself, and the sides on which the ray passes are those of the projected edges (Woop, Benthin and
+Wald, "Watertight ray/triangle intersection", 2013). Rounding moves a projected corner for all its
+facets alike, and the rounded difference of two rounded products has their sign or is 0: so of the
+facets about an edge or a vertex at least one meets the ray.
+"""
+
+from typing import NamedTuple
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import select
-from mpfcad.optics.lanes_array import load
+from mpfcad.optics.lanes import any_of, copy_sign, magnitude, root, select
+
+#: How far behind its start a ray may meet a facet that it starts over by rounding, in roundings.
+BEHIND = 1e4
+
+#: The rounding of places in a tile times this is more than any of its edges, seen along any ray.
+_LONGEST = 1e15
 
 
-@kernel
-def edge_product(dx, dy, dz, ax, ay, az, bx, by, bz):
-    """Return d · (a × b): the side on which a ray from the origin passes the edge a→b.
+class Aim(NamedTuple):
+    """A ray's projection; of one ray or eight.
 
-    Exactly antisymmetric in a and b, so that two facets that share an edge never both miss a ray.
+    Attributes
+    ----------
+    by_x, by_y
+        whether it is most parallel to x, to y; else to z
+    shear_0, shear_1, inverse
+        slopes against that axis of the two that follow it in turn, and 1 over the direction on it
+    sense
+        1 where facets that count are anticlockwise in the projection, else -1
     """
-    return dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
+
+    by_x: bool
+    by_y: bool
+    shear_0: float
+    shear_1: float
+    inverse: float
+    sense: float
 
 
 @kernel
-def triangle_distances(corner, row, ox, oy, oz, dx, dy, dz, side):
-    """Return the distances along a ray to eight facets, infinite where one is missed.
+def aim_at(dx, dy, dz, side):
+    """Return the aim of a ray: at facets that it leaves through (`side` 1), or enters (-1)."""
+    across, along, up = magnitude(dx), magnitude(dy), magnitude(dz)
+    by_x = (across > along) & (across > up)
+    by_y = (by_x ^ True) & (along > up)
+    first, second, main = turned(by_x, by_y, dx, dy, dz)
+    inverse = 1.0 / main
+    return Aim(by_x, by_y, first * inverse, second * inverse, inverse, copy_sign(1.0, main) * side)
 
-    Nine rows of `corner` (…, 8) float64 [mm] from `row` on hold the corners, x, y, z each,
-    anticlockwise from outside. With `side` = 1 only facets that the ray leaves through count
-    (d·n > 0), with -1 only those it enters through. A NaN is a miss.
+
+@kernel
+def turned(by_x, by_y, x, y, z):
+    """Return (x, y, z) turned so that the axis projected along comes last."""
+    return (
+        select(by_x, y, select(by_y, z, x)),
+        select(by_x, z, select(by_y, x, y)),
+        select(by_x, x, select(by_y, y, z)),
+    )
+
+
+@kernel
+def facet_distance(aim, a, b, c, slack):
+    """Return (met, distance [mm]): whether a ray meets the facet abc, and where.
+
+    Corners are relative to the ray's start and `turned`, anticlockwise from outside. Only facets
+    that the ray is aimed at count. A ray that passes beyond an edge by no more than `slack` [mm]
+    meets the edge: one that is turned on it may start there. A NaN is a miss.
     """
-    ax, ay, az = load(corner, row) - ox, load(corner, row + 1) - oy, load(corner, row + 2) - oz
-    bx, by, bz = load(corner, row + 3) - ox, load(corner, row + 4) - oy, load(corner, row + 5) - oz
-    cx, cy, cz = load(corner, row + 6) - ox, load(corner, row + 7) - oy, load(corner, row + 8) - oz
-    return facet_distances(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, side)
-
-
-@kernel
-def facet_distances(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, side):
-    """Return the distance along a ray from the origin to a facet, or of eight rays to eight."""
-    u = side * edge_product(dx, dy, dz, bx, by, bz, cx, cy, cz)
-    v = side * edge_product(dx, dy, dz, cx, cy, cz, ax, ay, az)
-    w = side * edge_product(dx, dy, dz, ax, ay, az, bx, by, bz)
-    total = u + v + w
-    met = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) & (total > 0.0)
-    px = (u * ax + v * bx + w * cx) / total
-    py = (u * ay + v * by + w * cy) / total
-    pz = (u * az + v * bz + w * cz) / total
-    return select(met, px * dx + py * dy + pz * dz, float("inf"))
+    ax, ay = a[0] - aim.shear_0 * a[2], a[1] - aim.shear_1 * a[2]
+    bx, by = b[0] - aim.shear_0 * b[2], b[1] - aim.shear_1 * b[2]
+    cx, cy = c[0] - aim.shear_0 * c[2], c[1] - aim.shear_1 * c[2]
+    u = aim.sense * (bx * cy - by * cx)
+    v = aim.sense * (cx * ay - cy * ax)
+    w = aim.sense * (ax * by - ay * bx)
+    rim = -slack * (slack * _LONGEST)
+    met = (u >= rim) & (v >= rim) & (w >= rim) & (u + v + w > 0.0)
+    distance = a[2]
+    if any_of(met):
+        beyond = (u < 0.0) | (v < 0.0) | (w < 0.0)
+        if any_of(met & beyond):
+            met = met & (u >= -slack * root((cx - bx) * (cx - bx) + (cy - by) * (cy - by)))
+            met = met & (v >= -slack * root((ax - cx) * (ax - cx) + (ay - cy) * (ay - cy)))
+            met = met & (w >= -slack * root((bx - ax) * (bx - ax) + (by - ay) * (by - ay)))
+            u = select(u > 0.0, u, 0.0)
+            v = select(v > 0.0, v, 0.0)
+            w = select(w > 0.0, w, 0.0)
+        distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * aim.inverse
+    return met, distance

@@ -128,11 +128,37 @@ def test_the_worst_rays_give_the_same_bits_in_grid_and_tree(tmp_path, name, up):
     start = np.concatenate(cases)
     grid = through(mesh, start, up, "grid")
     assert np.array_equal(grid, through(mesh, start, up, "bvh"))
-    # A ray that is turned exactly on an edge may start its next way beyond the other facet there,
-    # by its rounding: of those aimed so one in a hundred, more of the grazing ones that come down
-    # in the line of a valley. Of the rays at random above none is lost.
-    steep = np.abs(start[:, 4]) > 0.1
-    assert (grid[steep, 0] == 0).mean() < 0.02
+    assert (grid[:, 0] != 0).all()
+
+
+def aimed(mesh, up, count=4000):
+    """Return rays (n, 5) whose first way ends at a vertex or on an edge."""
+    rng = np.random.default_rng(7)
+    corner = mesh.vertex[mesh.top[rng.integers(len(mesh.top), size=count)]]
+    along = np.where(rng.random(count) < 0.5, 0.0, rng.random(count))[:, None]
+    target = corner[:, 0] + along * (corner[:, 1] - corner[:, 0])
+    start = rays(count, up, seed=8)
+    flight = start[:, 2:].copy()
+    if up and mesh.underside:
+        flight[:, :2] /= 1.5
+        flight[:, 2] = np.sqrt(1 - (flight[:, :2] ** 2).sum(axis=1))
+    z = 0.0 if up else mesh.vertex[mesh.used, 2].max()
+    start[:, :2] = (target + ((z - target[:, 2]) / flight[:, 2])[:, None] * flight)[:, :2]
+    return start
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("name", [*FIELDS, "undercut", "rods under grooves"])
+def test_no_ray_aimed_at_a_vertex_or_an_edge_is_lost(tmp_path, name, up):
+    mesh = field(name, tmp_path) if name in FIELDS else section_mesh(tmp_path, name)
+    start = aimed(mesh, up)
+    tree, other = through(mesh, start, up, "bvh"), through(mesh, start, up)
+    # Between the flat parts about a pillar light may be guided for good, which counts as lost.
+    if name != "pillar":
+        assert (tree[:, 0] != 0).all()
+        assert (other[:, 0] != 0).all()
+    if name in FIELDS:
+        assert np.array_equal(other, tree)
 
 
 @pytest.mark.parametrize("up", [True, False])

@@ -24,6 +24,7 @@ from mpfcad.optics.grid_walk import Walk, walk_on
 from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.sampling import RNG_SIZE, start_path
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.seam import with_seam
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 from mpfcad.optics.tile import build_tile
 from mpfcad.optics.tile_table import build_tile_table
@@ -136,7 +137,8 @@ def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):
     direction = np.stack([k * np.cos(phi), k * np.sin(phi), np.sqrt(1 - k * k)], axis=1)
     found = np.empty(len(origin), np.int64)
     closest_facets(tree, origin, direction, found)
-    a, b, c = (mesh.vertex[mesh.top][None, :, i] - origin[:, None] for i in range(3))
+    corner, number = with_seam(mesh.vertex[mesh.top], *mesh.size[:2])
+    a, b, c = (corner[None, :, i] - origin[:, None] for i in range(3))
     d = direction[:, None]
     sides = [np.einsum("ijk,ijk->ij", np.broadcast_to(d, p.shape), np.cross(p, q))
              for p, q in ((b, c), (c, a), (a, b))]  # fmt: skip
@@ -144,6 +146,6 @@ def test_the_tree_finds_the_facet_that_trying_all_finds(tmp_path):
     normal = np.cross(b - a, c - a)
     distance = np.einsum("ijk,ijk->ij", a, normal) / np.einsum("ijk,ijk->ij", d * 1.0, normal)
     distance = np.where(met & (distance >= 0), distance, np.inf)
-    expected = np.where(np.isfinite(distance.min(axis=1)), distance.argmin(axis=1), -1)
+    expected = np.where(np.isfinite(distance.min(axis=1)), number[distance.argmin(axis=1)], -1)
     assert (found == expected).all()
     assert (found >= 0).mean() > 0.1
