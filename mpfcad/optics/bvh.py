@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh_build import LEAF, binary_tree
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES, bits, lowest_bit, select, spread
-from mpfcad.optics.lanes_array import load, local_floats, local_wholes, store
+from mpfcad.optics.lanes import LANES, any_of, bits, lowest_bit, select, spread
+from mpfcad.optics.lanes_array import aligned, load, local_floats, local_wholes, store
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.seam import facet_normals, with_seam
-from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, turned
+from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, on_edge, turned
 
 _STACK = 256
 
@@ -29,23 +29,24 @@ class Bvh(NamedTuple):
     Attributes
     ----------
     box
-        (6n, 8) float64 [mm], for each node the low and high x, y, z of its children
+        (6n, 8) float32 [mm], for each node the low and high x, y, z of its children, rounded
+        outward
     child
-        (n, 8) int64, a node's number, or -1 - number of a leaf; any where there is none
+        (n, 8) int32, a node's number, or -1 - number of a leaf; any where there is none
     corner
         (9l, 8) float64 [mm], for each leaf the corners of its triangles, x, y, z each; places left
         over repeat the first corner
     facet
-        (l, 8) int64, the triangles' numbers in `normal`, -1 where none; those at the tile's sides
+        (l, 8) int32, the triangles' numbers in `normal`, -1 where none; those at the tile's sides
         are there again beyond the opposite ones
     normal
         (t, 3) float64, outward unit normals in the order of the mesh
     """
 
-    box: NDArray[np.float64]
-    child: NDArray[np.int64]
+    box: NDArray[np.float32]
+    child: NDArray[np.int32]
     corner: NDArray[np.float64]
-    facet: NDArray[np.int64]
+    facet: NDArray[np.int32]
     normal: NDArray[np.float64]
 
 
@@ -67,10 +68,24 @@ def build_bvh(mesh: FilmMesh) -> Bvh:
     facet = np.where(np.arange(LEAF) < blocks[:, 1:], number[facet], -1)
     # A triangle of one point is met by no ray.
     points = np.where(facet[:, None] < 0, np.tile(points[:, :3, :1], (1, 3, LEAF)), points)
-    return Bvh(
-        wide.reshape(-1, LANES), child, np.ascontiguousarray(points.reshape(-1, LEAF)), facet,
-        normal,
-    )  # fmt: skip
+    box, points = _outward(wide).reshape(-1, LANES), points.reshape(-1, LEAF)
+    child, facet = child.astype(np.int32), facet.astype(np.int32)
+    return Bvh(*(_on_lines(v) for v in (box, child, points, facet)), normal)
+
+
+def _on_lines(array: NDArray) -> NDArray:
+    """Return an array that begins with a cache line."""
+    out = aligned(array.shape, array.dtype)
+    out[:] = array
+    return out
+
+
+def _outward(box: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return boxes (n, 6, 8) in single precision, none smaller."""
+    single = box.astype(np.float32)
+    low = np.nextafter(single[:, :3], np.float32(-np.inf))
+    high = np.nextafter(single[:, 3:], np.float32(np.inf))
+    return np.concatenate([low, high], axis=1)
 
 
 @njit(cache=True)
@@ -125,9 +140,9 @@ def _inverse(component):
 
 
 @kernel
-def _slab(near, far, first, last, origin, inverse):
-    """Narrow [near, far] to a box's slab; a NaN (ray in a face) counts as inside."""
-    first, last = (first - origin) * inverse, (last - origin) * inverse
+def _slab(near, far, box, first, last, origin, inverse):
+    """Narrow [near, far] to the boxes' slabs; a NaN (ray in a face) counts as inside."""
+    first, last = (load(box, first) - origin) * inverse, (load(box, last) - origin) * inverse
     return select(first > near, first, near), select(last < far, last, far)
 
 
@@ -161,24 +176,20 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
     lane = local_floats(LANES)
     best = farthest
     found = -1
-    node_of[0], near_of[0] = 0, behind
-    depth = 1
-    while depth > 0:
-        depth -= 1
-        if near_of[depth] > best:
-            continue
-        node = node_of[depth]
+    node, depth = 0, 0
+    while True:
         if node < 0:
             number = -1 - node
             a = _corner(bvh, 9 * number, start, axes)
             b = _corner(bvh, 9 * number + 3, start, axes)
             c = _corner(bvh, 9 * number + 6, start, axes)
-            met, distance = facet_distance(aim, a, b, c, slack)
+            met, beyond, distance = facet_distance(aim, a, b, c, slack)
+            met = met & (distance >= behind) & (distance <= best)
+            if any_of(met & beyond):
+                met = met & ((beyond ^ True) | on_edge(aim, a, b, c, slack))
             mask = bits(met)
-            if mask == 0:
-                continue
-            mask = bits(met & (distance >= behind) & (distance <= best))
-            store(lane, 0, distance)
+            if mask:
+                store(lane, 0, distance)
             while mask:
                 i = lowest_bit(mask)
                 mask &= mask - 1
@@ -192,29 +203,40 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
                 # Of facets at one distance, the first in the mesh: whatever the tree.
                 if reach < best or (reach == best and (found < 0 or facet < found)):
                     best, found = reach, facet
-            continue
-        box = 6 * node
-        near, far = spread(behind), spread(best)
-        near, far = _slab(near, far, load(bvh.box, box + x_in), load(bvh.box, box + x_out), ox, ix)
-        near, far = _slab(near, far, load(bvh.box, box + y_in), load(bvh.box, box + y_out), oy, iy)
-        near, far = _slab(near, far, load(bvh.box, box + z_in), load(bvh.box, box + z_out), oz, iz)
-        mask = bits(near <= far)
-        if mask == 0:
-            continue
-        store(lane, 0, near)
-        bottom = depth
-        while mask:
-            i = lowest_bit(mask)
-            mask &= mask - 1
-            # The nearest lies on top of the stack.
-            distance = lane[i]
-            k = depth
-            while k > bottom and near_of[k - 1] < distance:
-                near_of[k], node_of[k] = near_of[k - 1], node_of[k - 1]
-                k -= 1
-            near_of[k], node_of[k] = distance, bvh.child[node, i]
-            depth += 1
-    return found, best
+        else:
+            box = 6 * node
+            near, far = spread(behind), spread(best)
+            near, far = _slab(near, far, bvh.box, box + x_in, box + x_out, ox, ix)
+            near, far = _slab(near, far, bvh.box, box + y_in, box + y_out, oy, iy)
+            near, far = _slab(near, far, bvh.box, box + z_in, box + z_out, oz, iz)
+            mask = bits(near <= far)
+            if mask:
+                first = lowest_bit(mask)
+                mask &= mask - 1
+                if mask == 0:
+                    node = bvh.child[node, first]
+                    continue
+                store(lane, 0, near)
+                node_of[depth], near_of[depth] = bvh.child[node, first], lane[first]
+                bottom = depth
+                depth += 1
+                while mask:
+                    i = lowest_bit(mask)
+                    mask &= mask - 1
+                    # The nearest lies on top of the stack.
+                    entry = lane[i]
+                    k = depth
+                    while k > bottom and near_of[k - 1] < entry:
+                        near_of[k], node_of[k] = near_of[k - 1], node_of[k - 1]
+                        k -= 1
+                    near_of[k], node_of[k] = entry, bvh.child[node, i]
+                    depth += 1
+        while depth > 0 and near_of[depth - 1] > best:
+            depth -= 1
+        if depth == 0:
+            return found, best
+        depth -= 1
+        node = node_of[depth]
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)

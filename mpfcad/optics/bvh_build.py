@@ -4,6 +4,8 @@ Split where the surface-area heuristic in 16 bins is least (Wald, "On fast const
 bounding volume hierarchies", 2007), laid out depth first: a node's first child follows it.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -112,7 +114,7 @@ def _best_bin(order, low, high, centre, axis, start, extent, first, last):
             a = bounds[begin:end, 3].max() - bounds[begin:end, 0].min()
             b = bounds[begin:end, 4].max() - bounds[begin:end, 1].min()
             c = bounds[begin:end, 5].max() - bounds[begin:end, 2].min()
-            cost += total * (a * b + b * c + c * a)
+            cost += math.ceil(total / LEAF) * (a * b + b * c + c * a)
         if filled and cost < best:
             best, at = cost, split
     return best, at

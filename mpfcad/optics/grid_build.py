@@ -28,7 +28,7 @@ def build_grid(mesh: FilmMesh) -> Grid | None:
     low, high = corner.min(axis=1), corner.max(axis=1)
     best, cheapest = None, math.inf
     for facets in _FACETS:
-        count = _cells(mesh, len(corner) / facets)
+        count = _cells(mesh, len(mesh.top) / facets)
         first, last = _span(low, high, mesh, count)
         times = (last - first + 1).prod(axis=1)
         listed = times.sum()

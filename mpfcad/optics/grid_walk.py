@@ -9,7 +9,7 @@ from typing import NamedTuple
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import any_of, copy_sign, floor, magnitude, select, whole
 from mpfcad.optics.lanes_array import gather, gather_row
-from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, turned
+from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, on_edge, turned
 
 #: How far [cells] a facet may reach over a line unlisted; a ray's reach is wider by its rounding.
 MARGIN = 1 / 64
@@ -164,6 +164,7 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
     number = select(near, number, 0.0)
     begin = whole(begin)
     aim = aim_at(dx, dy, dz, side)
+    behind = -BEHIND * slack
     done = 0.0
     while any_of(number > done):
         entry = select(number > done, begin, 0)
@@ -173,13 +174,14 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
         a = turned(aim.by_x, aim.by_y, ax - x, ay - y, az - z)
         b = turned(aim.by_x, aim.by_y, bx - x, by - y, bz - z)
         c = turned(aim.by_x, aim.by_y, cx - x, cy - y, cz - z)
-        met, distance = facet_distance(aim, a, b, c, slack)
-        met = met & (number > done) & (distance >= -BEHIND * slack) & (distance <= best)
-        over = met & (distance < 0.0)
-        if any_of(over):
+        met, beyond, distance = facet_distance(aim, a, b, c, slack)
+        met = met & (number > done) & (distance >= behind) & (distance <= best)
+        over = distance < 0.0
+        if any_of(met & (beyond | over)):
+            met = met & ((beyond ^ True) | on_edge(aim, a, b, c, slack))
             _, across_x, across_y, across_z = gather_row(grid.corner, entry * 3 + 2)
             gap = distance * magnitude(across_x * dx + across_y * dy + across_z * dz)
-            met = met & ((over & (gap < -slack)) ^ True)
+            met = met & (gap >= -slack)
             distance = select(over, 0.0, distance)
         again = met & (place >= 0) & (distance == best)
         if any_of(again):

@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 from numpy.typing import DTypeLike, NDArray
 
-from mpfcad.optics.lanes import F8, I8, I32, LANES, Lanes
+from mpfcad.optics.lanes import F8, I8, I32, LANES
 
 _CACHE_LINE = 64
 
@@ -152,24 +152,26 @@ def gather_row(typingctx, array, index):
     return types.UniTuple(kind, 4)(array, index), lower
 
 
-def _row_pointer(context, builder, array, value, row, kind: Lanes):
+def _row_pointer(context, builder, array, value, row, vector: ir.VectorType):
     """Return the address of a row of eight as that of a vector."""
     data = cgutils.create_struct_proxy(array)(context, builder, value=value).data
     place = builder.mul(row, ir.Constant(ir.IntType(64), LANES))
-    return builder.bitcast(builder.gep(data, [place]), kind.vector.as_pointer())
+    return builder.bitcast(builder.gep(data, [place]), vector.as_pointer())
 
 
 @intrinsic
 def load(typingctx, array, row):
-    """Return a row of an (n, 8) contiguous array as lanes."""
+    """Return a row of an (n, 8) contiguous array as lanes; single precision becomes double."""
     kind = F8 if isinstance(array.dtype, types.Float) else I8
+    single = array.dtype == types.float32
 
     def lower(context, builder, sig, args):
         place = context.cast(builder, args[1], row, types.int64)
-        pointer = _row_pointer(context, builder, array, args[0], place, kind)
+        vector = ir.VectorType(ir.FloatType(), LANES) if single else kind.vector
+        pointer = _row_pointer(context, builder, array, args[0], place, vector)
         loaded = builder.load(pointer)
-        loaded.align = 8
-        return loaded
+        loaded.align = 4 if single else 8
+        return builder.fpext(loaded, kind.vector) if single else loaded
 
     return kind(array, row), lower
 
@@ -180,7 +182,7 @@ def store(typingctx, array, row, value):
 
     def lower(context, builder, sig, args):
         place = context.cast(builder, args[1], row, types.int64)
-        pointer = _row_pointer(context, builder, array, args[0], place, value)
+        pointer = _row_pointer(context, builder, array, args[0], place, value.vector)
         builder.store(args[2], pointer, align=8)
         return context.get_dummy_value()
 
@@ -209,7 +211,8 @@ def store_lines(typingctx, array, a, b, c, d, e, f, g, h):
     def lower(context, builder, sig, args):
         for i, row in enumerate(_transposed(builder, list(args[1:]))):
             place = ir.Constant(ir.IntType(64), i)
-            builder.store(row, _row_pointer(context, builder, array, args[0], place, a), align=8)
+            pointer = _row_pointer(context, builder, array, args[0], place, a.vector)
+            builder.store(row, pointer, align=8)
         return context.get_dummy_value()
 
     return types.void(array, a, b, c, d, e, f, g, h), lower

@@ -54,10 +54,10 @@ _UNFIT = {
 
 _NO_CHAIN = chain_of(np.array([0.0, 1.0]), np.zeros(2))
 _NO_BVH = Bvh(
-    np.zeros((6, 8)),
-    np.zeros((1, 8), np.int64),
+    np.zeros((6, 8), np.float32),
+    np.zeros((1, 8), np.int32),
     np.zeros((9, 8)),
-    np.zeros((1, 8), np.int64),
+    np.zeros((1, 8), np.int32),
     np.zeros((1, 3)),
 )
 _NO_SECTION = section_of(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)

@@ -10,7 +10,7 @@ facets about an edge or a vertex at least one meets the ray.
 from typing import NamedTuple
 
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import any_of, copy_sign, magnitude, root, select
+from mpfcad.optics.lanes import copy_sign, magnitude, root, select
 
 #: How far behind its start a ray may meet a facet that it starts over by rounding, in roundings.
 BEHIND = 1e4
@@ -63,29 +63,50 @@ def turned(by_x, by_y, x, y, z):
 
 @kernel
 def facet_distance(aim, a, b, c, slack):
-    """Return (met, distance [mm]): whether a ray meets the facet abc, and where.
+    """Return (met, beyond, distance [mm]): whether a ray meets the facet abc, and where.
 
     Corners are relative to the ray's start and `turned`, anticlockwise from outside. Only facets
-    that the ray is aimed at count. A ray that passes beyond an edge by no more than `slack` [mm]
-    meets the edge: one that is turned on it may start there. A NaN is a miss.
+    that the ray is aimed at count; a NaN is a miss. `beyond`: the ray passes beyond an edge, by far
+    less than anything but how far is left to `on_edge`.
     """
-    ax, ay = a[0] - aim.shear_0 * a[2], a[1] - aim.shear_1 * a[2]
-    bx, by = b[0] - aim.shear_0 * b[2], b[1] - aim.shear_1 * b[2]
-    cx, cy = c[0] - aim.shear_0 * c[2], c[1] - aim.shear_1 * c[2]
-    u = aim.sense * (bx * cy - by * cx)
-    v = aim.sense * (cx * ay - cy * ax)
-    w = aim.sense * (ax * by - ay * bx)
+    u, v, w = _sides(aim, a, b, c)
     rim = -slack * (slack * _LONGEST)
     met = (u >= rim) & (v >= rim) & (w >= rim) & (u + v + w > 0.0)
-    distance = a[2]
-    if any_of(met):
-        beyond = (u < 0.0) | (v < 0.0) | (w < 0.0)
-        if any_of(met & beyond):
-            met = met & (u >= -slack * root((cx - bx) * (cx - bx) + (cy - by) * (cy - by)))
-            met = met & (v >= -slack * root((ax - cx) * (ax - cx) + (ay - cy) * (ay - cy)))
-            met = met & (w >= -slack * root((bx - ax) * (bx - ax) + (by - ay) * (by - ay)))
-            u = select(u > 0.0, u, 0.0)
-            v = select(v > 0.0, v, 0.0)
-            w = select(w > 0.0, w, 0.0)
-        distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * aim.inverse
-    return met, distance
+    beyond = (u < 0.0) | (v < 0.0) | (w < 0.0)
+    u, v, w = select(u > 0.0, u, 0.0), select(v > 0.0, v, 0.0), select(w > 0.0, w, 0.0)
+    distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * aim.inverse
+    return met, beyond, distance
+
+
+@kernel
+def _projected(aim, corner):
+    return corner[0] - aim.shear_0 * corner[2], corner[1] - aim.shear_1 * corner[2]
+
+
+@kernel
+def _sides(aim, a, b, c):
+    """Return the side on which a ray passes each edge, above 0 inside: bc, ca and ab."""
+    a, b, c = _projected(aim, a), _projected(aim, b), _projected(aim, c)
+    return (
+        aim.sense * (b[0] * c[1] - b[1] * c[0]),
+        aim.sense * (c[0] * a[1] - c[1] * a[0]),
+        aim.sense * (a[0] * b[1] - a[1] * b[0]),
+    )
+
+
+@kernel
+def on_edge(aim, a, b, c, slack):
+    """Return whether a ray passes no edge of a facet by more than `slack` [mm].
+
+    One that is turned on an edge may start as far beyond it.
+    """
+    u, v, w = _sides(aim, a, b, c)
+    a, b, c = _projected(aim, a), _projected(aim, b), _projected(aim, c)
+    near = (u >= -slack * _length(b, c)) & (v >= -slack * _length(c, a))
+    return near & (w >= -slack * _length(a, b))
+
+
+@kernel
+def _length(a, b):
+    x, y = b[0] - a[0], b[1] - a[1]
+    return root(x * x + y * y)
