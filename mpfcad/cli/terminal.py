@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 #: What takes so long to compile that one wonders, and about how long.
 _COMPILED = {
-    "trace_paths": ("the tracer", "half a minute"),
-    "_trace_bin": ("the tracer of a film's BSDF", "20 s"),
-    "trace_world": ("the search's rays between two meetings with the film", "20 s"),
-    "trace_film": ("the search's rays through the film", "5 s"),
+    "trace_paths": ("the tracer", "20 s"),
+    "_trace_bin": ("the tracer of a film's BSDF", "15 s"),
+    "trace_film": ("the search's rays through the film", "15 s"),
+    "trace_world": ("the search's rays between two meetings with the film", "5 s"),
     "trace_meter": ("the search's rays from the meter", "5 s"),
 }
 

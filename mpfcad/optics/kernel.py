@@ -29,12 +29,12 @@ class _Announcer(event.Listener):
     def __init__(self) -> None:
         self._depth = 0
 
-    def on_start(self, event: event.Event) -> None:
+    def on_start(self, compiling: event.Event) -> None:
         if self._depth == 0:
-            tell(event.data["dispatcher"].py_func.__name__)
+            tell(compiling.data["dispatcher"].py_func.__name__)
         self._depth += 1
 
-    def on_end(self, event: event.Event) -> None:
+    def on_end(self, compiling: event.Event) -> None:
         self._depth -= 1
         if self._depth == 0:
             tell(None)
