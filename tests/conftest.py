@@ -39,7 +39,7 @@ settings.load_profile("kernels")
 
 
 def pytest_sessionstart(session):
-    """Compile the tracer before the first parallel run, that not every worker does it for itself."""
+    """Compile the tracer before the first parallel run, or each worker would for itself."""
     leads = getattr(session.config.option, "dist", "no") != "no"
     if leads and not _KERNELS.exists() and not session.config.option.collectonly:
         from mpfcad.optics.engine import compile_tracer

@@ -83,7 +83,7 @@ class Terminal:
             what, time_needed = _COMPILED[name]
             text = f"compiling {what} for this processor, once: about {time_needed}"
         if self._live:
-            self._bar.update(self._task, note=text)
+            self._bar.update(self._task, description=text or self._stage)
         elif text:
             self._show(text)
 

@@ -80,10 +80,11 @@ def test_in_a_terminal_the_bar_says_it(monkeypatch):
     monkeypatch.setattr(screen, "isatty", lambda: True)
     monkeypatch.setattr("sys.stderr", screen)
     with Terminal() as terminal:
+        terminal.stage("tracing film.stl")
         compiling.tell("trace_paths")
-        assert "compiling the tracer" in terminal._bar.tasks[0].fields["note"]
+        assert "compiling the tracer" in terminal._bar.tasks[0].description
         compiling.tell(None)
-        assert terminal._bar.tasks[0].fields["note"] == ""
+        assert terminal._bar.tasks[0].description == "tracing film.stl"
 
 
 def test_one_compiled_tracer_is_for_all_scenes():
