@@ -25,7 +25,8 @@ def _kernels() -> str:
     return digest.hexdigest()[:16]
 
 
-os.environ["NUMBA_CACHE_DIR"] = str(Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}")
+_KERNELS = Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}"
+os.environ["NUMBA_CACHE_DIR"] = str(_KERNELS)
 
 # What interrupted traces leave goes into a folder of this test run, never into the user's.
 _CACHE = tempfile.TemporaryDirectory(prefix="mpfcad-cache-")
@@ -35,3 +36,12 @@ os.environ["MPFCAD_CACHE"] = _CACHE.name
 # result.
 settings.register_profile("kernels", deadline=None, derandomize=True)
 settings.load_profile("kernels")
+
+
+def pytest_sessionstart(session):
+    """Compile the tracer before the first parallel run, or each worker would for itself."""
+    leads = getattr(session.config.option, "dist", "no") != "no"
+    if leads and not _KERNELS.exists() and not session.config.option.collectonly:
+        from mpfcad.optics.engine import compile_tracer
+
+        compile_tracer()

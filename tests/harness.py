@@ -227,6 +227,11 @@ def single_paths(scene, source, seed, first, out, flow):
     )  # fmt: skip
 
 
+def compiled(kernel):
+    """Return a kernel as a function that Python can call."""
+    return njit(error_model="numpy", _nrt=False)(kernel.py_func)
+
+
 @njit(cache=True)
 def pass_layers(scene, enter_below, seed, out):
     """Send Lambertian light into a scene without cavity; out (n, 4): way, kx, ky, weight."""

@@ -15,6 +15,7 @@ FLOOR = {
     "mpfcad": 0,
     "units": 0,
     "errors": 0,
+    "compiling": 0,
     "film": 1,
     "mask": 2,
     "cad": 2,

@@ -7,8 +7,20 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mpfcad import compiling
+
 if TYPE_CHECKING:
     from mpfcad.measure import TraceState
+
+
+#: What takes so long to compile that one wonders, and about how long.
+_COMPILED = {
+    "trace_paths": ("the tracer", "20 s"),
+    "_trace_bin": ("the tracer of a film's BSDF", "15 s"),
+    "trace_film": ("the search's rays through the film", "15 s"),
+    "trace_world": ("the search's rays between two meetings with the film", "5 s"),
+    "trace_meter": ("the search's rays from the meter", "5 s"),
+}
 
 
 class Terminal:
@@ -28,6 +40,8 @@ class Terminal:
         self._trace_start: float | None = None
 
     def __enter__(self) -> "Terminal":
+        compiling.watchers.append(self.compiling)
+        self._resources.callback(compiling.watchers.remove, self.compiling)
         if self._live:
             self._bar = self._resources.enter_context(_live_bar())
             self._task = self._bar.add_task("starting", total=None, note="")
@@ -61,6 +75,17 @@ class Terminal:
             self._bar.console.print(text, highlight=False, markup=False)
         else:
             print(f"mpfcad: {text}", file=sys.stderr, flush=True)
+
+    def compiling(self, name: str | None) -> None:
+        """Show that the function `name` is being compiled; None: that it has been."""
+        text = ""
+        if name in _COMPILED:
+            what, time_needed = _COMPILED[name]
+            text = f"compiling {what} for this processor, once: about {time_needed}"
+        if self._live:
+            self._bar.update(self._task, description=text or self._stage)
+        elif text:
+            self._show(text)
 
     def trace(self, state: "TraceState") -> None:
         """Show how far the trace is, in a pipe at most every `interval` seconds."""

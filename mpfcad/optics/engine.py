@@ -14,7 +14,7 @@ from numba import njit, uint64
 
 from mpfcad.optics.cavity import BRDF, NO_LAMP
 from mpfcad.optics.cavity_lanes import cavity_passages
-from mpfcad.optics.element import CAVITY, FILM
+from mpfcad.optics.element import CAVITY, FILM, Sheet
 from mpfcad.optics.film import (
     COSINE,
     FLIPPED,
@@ -35,8 +35,8 @@ from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
 from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
 from mpfcad.optics.sampling import start_net_path
-from mpfcad.optics.scene import Scene
-from mpfcad.optics.source import LAMPS, Source, start_ray
+from mpfcad.optics.scene import Scene, build_scene
+from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.tile import CHAIN, GRID
 from mpfcad.optics.tile_table import tile_of
@@ -80,22 +80,25 @@ def _refill(scene, source, seed, stream, first, started, slots, count, wave):
 
 @kernel
 def _pass_queue(scene, e, rays, wave, flow):
-    """Follow the rays that wait before element e through it."""
+    """Follow the rays that wait before element e through it, the first ones eight at a time."""
+    eight = 0
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
         # Resin that scatters is followed ray by ray.
         if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
-            return
-    if scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
-        _pass_cavity(scene, rays, wave, flow)
-        return
-    _pass_one_by_one(scene, e, rays, wave, flow)
+            eight = len(rays)
+    elif scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
+        eight = _pass_cavity(scene, rays, wave, flow)
+    _pass_one_by_one(scene, e, rays[eight:], wave, flow)
 
 
 @kernel
 def _pass_cavity(scene, rays, wave, flow):
-    """Follow rays through an endless cavity; those that start on its lamps one by one."""
+    """Follow rays through an endless cavity, put before those that start on its lamps.
+
+    Return how many these are.
+    """
     count = 0
     for i in range(len(rays)):
         if wave.lamp[rays[i]] == NO_LAMP:
@@ -103,7 +106,7 @@ def _pass_cavity(scene, rays, wave, flow):
             count += 1
     for i in range(0, count, LANES):
         cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow)
-    _pass_one_by_one(scene, 0, rays[count:], wave, flow)
+    return count
 
 
 @kernel
@@ -210,6 +213,13 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
             radiance[wave.path[slot]] = wave.radiance[slot]
             freed[free] = slot
             free += 1
+
+
+def compile_tracer() -> None:
+    """Compile `trace_paths`, once for all scenes, if it is not there yet."""
+    scene, source = build_scene([Sheet(0.0, 1.5, 1.0)]), Source(EYE, [0.0], 0.0)
+    zero, flow = np.uint64(0), np.zeros(len(FLOWS) + 1)
+    trace_paths(scene, source, zero, zero, zero, Wave.empty(1), np.empty(0), flow)
 
 
 def trace(

@@ -5,9 +5,9 @@ import math
 from mpfcad.optics.fresnel import fresnel
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.phase import scattering_cosine
-from mpfcad.optics.resin import collision_distance, facet_amid
+from mpfcad.optics.resin import collision_distance, segment_amid
 from mpfcad.optics.sampling import turn, uniform
-from mpfcad.optics.tile import next_facet
+from mpfcad.optics.tile import CHAIN, next_facet
 from mpfcad.optics.tile_table import tile_of
 
 #: The columns of a film in `Scene.parameter`; the last four of its resin.
@@ -24,12 +24,7 @@ def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     """
     width = tiles.size[int(parameter[TILE]), 0]
     up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
-    if parameter[SCATTERING] > 0.0:
-        way, x, y, dx, dy, dz = resin_film_passage(
-            tiles, phase, parameter, up, x, y, dx, dy, dz, rng
-        )
-    else:
-        way, x, y, dx, dy, dz = film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng)
+    way, x, y, dx, dy, dz = film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng)
     return out_of_film(parameter, width, way, x, y, dx, dy, dz)
 
 
@@ -60,84 +55,75 @@ def out_of_film(parameter, width, way, x, y, dx, dy, dz):
     return way, x, y, dx, dy, dz
 
 
-def _build_passage(scatters: bool):
-    """Return the passage with or without resin that scatters: known when it is compiled."""
+@kernel
+def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
+    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
 
-    @kernel
-    def passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
-        """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
-
-        `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
-        1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
-        """
-        tile = tile_of(tiles, int(parameter[TILE]))
-        index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
+    `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
+    1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+    """
+    tile = tile_of(tiles, int(parameter[TILE]))
+    index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
+    scatters, amid = parameter[SCATTERING] > 0.0, False
+    base_x = math.floor((x - offset) / tile.width) * tile.width + offset
+    base_y = math.floor(y / tile.length) * tile.length
+    x = min(max(x - base_x, 0.0), tile.width)
+    y = min(max(y - base_y, 0.0), tile.length)
+    z = tile.high
+    inside = False
+    k = -1
+    if up:
+        z = 0.0
+    if up and tile.underside:
+        entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
+        if not entered:
+            return -1, x + base_x, y + base_y, dx, dy, dz
+        inside = True
+    for _ in range(_MOST_HITS):
+        x0, y0, z0 = x, y, z
+        if amid and tile.accelerator == CHAIN:
+            k, x, y, z, nx, ny, nz, shift_x, shift_y = segment_amid(tile, x, y, z, dx, dy, dz)
+        else:
+            k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(
+                tile, x, y, z, dx, dy, dz, k, inside
+            )
         amid = False
-        base_x = math.floor((x - offset) / tile.width) * tile.width + offset
-        base_y = math.floor(y / tile.length) * tile.length
-        x = min(max(x - base_x, 0.0), tile.width)
-        y = min(max(y - base_y, 0.0), tile.length)
-        z = tile.high
-        inside = False
-        k = -1
-        if up:
-            z = 0.0
-        if up and tile.underside:
-            entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
-            if not entered:
-                return -1, x + base_x, y + base_y, dx, dy, dz
-            inside = True
-        for _ in range(_MOST_HITS):
-            x0, y0, z0 = x, y, z
-            if scatters and amid:
-                k, x, y, z, nx, ny, nz, shift_x, shift_y = facet_amid(tile, x, y, z, dx, dy, dz)
-                amid = False
-            else:
-                k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(
-                    tile, x, y, z, dx, dy, dz, k, inside
-                )
-            if scatters and inside and k != -2:
-                reach = z0 / -dz if dz < 0.0 else 0.0
-                if k >= 0:
-                    reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
-                prism = tile_of(tiles, int(parameter[PRISM]))
-                flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
-                if flown < reach:
-                    x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
-                    cosine = scattering_cosine(
-                        phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
-                    )
-                    dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
-                    amid = True
-                    continue
-            base_x += shift_x
-            base_y += shift_y
-            if k == -2:
-                return 0, x + base_x, y + base_y, dx, dy, dz
+        if scatters and inside and k != -2:
+            reach = z0 / -dz if dz < 0.0 else 0.0
             if k >= 0:
-                inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+                reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
+            prism = tile_of(tiles, int(parameter[PRISM]))
+            flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
+            if flown < reach:
+                x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
+                cosine = scattering_cosine(
+                    phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
+                )
+                dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+                k, amid = -1, True
                 continue
-            if not inside:
-                flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
-                way = 1 if dz > 0.0 else -1
-                return way, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
-            flight = z / -dz
-            x += flight * dx
-            y += flight * dy
-            z = 0.0
-            tiles_on = math.floor(x / tile.width) * tile.width
-            x = min(max(x - tiles_on, 0.0), tile.width)
-            base_x += tiles_on
-            left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
-            if left:
-                return -1, x + base_x, y + base_y, dx, dy, dz
-        return 0, x + base_x, y + base_y, dx, dy, dz
-
-    return passage
-
-
-film_passage = _build_passage(False)
-resin_film_passage = _build_passage(True)
+        base_x += shift_x
+        base_y += shift_y
+        if k == -2:
+            return 0, x + base_x, y + base_y, dx, dy, dz
+        if k >= 0:
+            inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+            continue
+        if not inside:
+            flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
+            way = 1 if dz > 0.0 else -1
+            return way, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
+        flight = z / -dz
+        x += flight * dx
+        y += flight * dy
+        z = 0.0
+        tiles_on = math.floor(x / tile.width) * tile.width
+        x = min(max(x - tiles_on, 0.0), tile.width)
+        base_x += tiles_on
+        left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
+        if left:
+            return -1, x + base_x, y + base_y, dx, dy, dz
+    return 0, x + base_x, y + base_y, dx, dy, dz
 
 
 @kernel

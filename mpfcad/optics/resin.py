@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.sampling import uniform
-from mpfcad.optics.tile import CHAIN, next_facet
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +82,8 @@ def collision_distance(prism, scattering, x, z, dx, dz, reach, rng):
 
 
 @kernel
-def facet_amid(tile, x, y, z, dx, dy, dz):
-    """Return what `next_facet` does, for a ray that starts amid the film, on no facet."""
-    if tile.accelerator != CHAIN:
-        return next_facet(tile, x, y, z, dx, dy, dz, -1, True)
+def segment_amid(tile, x, y, z, dx, dy, dz):
+    """Return what `next_facet` does over a chain, for a ray that starts amid the film."""
     chain, width = tile.chain, tile.width
     count = len(chain.segment)
     # Free flight up to the zone of the top, for a ray from below its lowest place.

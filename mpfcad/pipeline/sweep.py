@@ -60,6 +60,11 @@ def run_sweep(
     left = {i: point for i, point in enumerate(points) if i not in found}
     progress.stage(f"{len(found)} of {len(points)} points are there")
     if left:
+        if scheduler is None:
+            from mpfcad.optics.engine import compile_tracer
+
+            # Here, where it is told, and not by each worker for itself.
+            compile_tracer()
         with _traced(left, scheduler, workers) as results:
             for i, result in results:
                 found[i] = keep_result(files[i], result)

@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
+from harness import compiled
 
 from mpfcad.backlight import read_stack
 from mpfcad.backlight.particle import Particles
 from mpfcad.errors import InputError
-from mpfcad.optics.phase import STEPS, phase_quantiles, scattering_cosine
+from mpfcad.optics import phase
+from mpfcad.optics.phase import STEPS, phase_quantiles
+
+scattering_cosine = compiled(phase.scattering_cosine)
 
 
 def sphere(size, ratio, density=1e5):

@@ -3,11 +3,14 @@
 import math
 
 import pytest
+from harness import compiled
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mpfcad.optics import reference_ray
-from mpfcad.optics.fresnel import fresnel
+from mpfcad.optics.fresnel import fresnel as fresnel_kernel
+
+fresnel = compiled(fresnel_kernel)
 
 index = st.floats(1.0001, 3.0)
 cosine = st.floats(1e-4, 1.0)

@@ -5,6 +5,7 @@ import pytest
 from harness import (
     BARE,
     CONCAVE,
+    compiled,
     crossed_mesh,
     dish_mesh,
     film_mesh,
@@ -88,7 +89,7 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     rng = np.zeros((count, RNG_SIZE), np.uint64)
     _starts(rng, 3)
     way = np.zeros(count, np.int64)
-    film_passages(
+    compiled(film_passages)(
         tile, 1.5, 1.0, 0.0, np.arange(count), place, way, rng,
         np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
         np.zeros((1, lanes.LANES), np.int64),

@@ -4,27 +4,24 @@ import math
 
 import numpy as np
 import pytest
-from harness import within
+from harness import compiled, within
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpfcad.optics import sampling
 from mpfcad.optics.reference_ray import Philox
-from mpfcad.optics.sampling import (
-    RNG_SIZE,
-    disk,
-    gaussian_pair,
-    henyey_greenstein_cosine,
-    philox4x32,
-    start_path,
-    turn,
-    uniform,
+
+disk, gaussian_pair, turn, uniform = map(
+    compiled, (sampling.disk, sampling.gaussian_pair, sampling.turn, sampling.uniform)
 )
+henyey_greenstein_cosine = compiled(sampling.henyey_greenstein_cosine)
+philox4x32, start_path = compiled(sampling.philox4x32), compiled(sampling.start_path)
 
 ONES = 0xFFFFFFFF
 
 
 def started(seed=1, stream=0, path=0):
-    rng = np.zeros(RNG_SIZE, np.uint64)
+    rng = np.zeros(sampling.RNG_SIZE, np.uint64)
     start_path(rng, np.uint64(seed), np.uint64(stream), np.uint64(path))
     return rng
 

@@ -7,6 +7,7 @@ import pytest
 from harness import (
     BARE,
     CONCAVE,
+    compiled,
     crossed_mesh,
     film_mesh,
     groove,
@@ -142,11 +143,11 @@ def test_an_ideal_diffuser_makes_any_light_lambertian():
 
 
 def test_the_lambertian_part_of_the_reflector_is_lambertian():
-    from mpfcad.optics.cavity import reflector_direction
-    from mpfcad.optics.sampling import RNG_SIZE, start_path
+    from mpfcad.optics import cavity, sampling
 
-    rng = np.zeros(RNG_SIZE, np.uint64)
-    start_path(rng, np.uint64(46), np.uint64(0), np.uint64(0))
+    reflector_direction = compiled(cavity.reflector_direction)
+    rng = np.zeros(sampling.RNG_SIZE, np.uint64)
+    compiled(sampling.start_path)(rng, np.uint64(46), np.uint64(0), np.uint64(0))
     d = np.array([reflector_direction(0.0, 0.6, 0.0, -0.8, rng)[1:] for _ in range(40_000)])
     number, _, _ = np.histogram2d(
         (d[:, :2] ** 2).sum(axis=1), np.arctan2(d[:, 1], d[:, 0]), (5, 8), ((0, 1), (-np.pi, np.pi))
