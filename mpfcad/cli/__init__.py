@@ -12,6 +12,8 @@ from mpfcad.cli.app import app, debug_wanted
 
 __all__ = ["app", "main"]
 
+_TERMINATED = 128 + signal.SIGTERM
+
 
 def main() -> None:
     """Run the command line and exit with its code."""
@@ -22,7 +24,9 @@ def main() -> None:
 def run_app(arguments: list[str]) -> int:
     """Return the exit code of `mpfcad ARGUMENTS`."""
     try:
-        return app(arguments, prog_name="mpfcad", standalone_mode=False) or 0
+        code = app(arguments, prog_name="mpfcad", standalone_mode=False) or 0
+        # Typer turns Ctrl-C into this code; older ones raise their own Abort.
+        return _stopped("interrupted", 130) if code == 130 else code
     except BaseException as error:
         if debug_wanted() and not isinstance(error, SystemExit):
             import traceback
@@ -40,11 +44,12 @@ def _exit_code(error: BaseException) -> int:
     """Print one line for `error` and return the exit code it stands for."""
     from mpfcad.errors import InputError
 
+    if isinstance(error, SystemExit) and error.code == _TERMINATED:
+        return _stopped("terminated", _TERMINATED)
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else int(error.code is not None)
-    # Typer turns Ctrl-C into its own Abort.
     if isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort":
-        return _fail("interrupted", 130)
+        return _stopped("interrupted", 130)
     if isinstance(error, InputError):
         return _fail(str(error), 2)
     if hasattr(error, "format_message"):  # what typer raises on wrong usage
@@ -52,6 +57,10 @@ def _exit_code(error: BaseException) -> int:
     if isinstance(error, MemoryError):
         return _fail("out of memory", 3)
     return _fail(f"{type(error).__name__}: {error}", 3)
+
+
+def _stopped(how: str, code: int) -> int:
+    return _fail(f"{how}: given again, the same command goes on where its trace was", code)
 
 
 def _fail(line: str, code: int) -> int:

@@ -93,7 +93,7 @@ class Terminal:
         if self._trace_start is None or state.paths <= state.start:
             self._trace_start = now
             if state.start:
-                self.note(f"{self._stage}: goes on at {state.start / 1e6:.1f} million paths")
+                self.note(f"{self._stage}: goes on at {state.start / 1e6:.1f} M paths")
         if not self._live and now - self._last_line < self.interval:
             return
         note = trace_note(state, now - self._trace_start)
@@ -126,18 +126,26 @@ def trace_note(state: "TraceState", seconds: float) -> str:
             rest = round(seconds * left / done)
             parts.append(f"{rest // 60}:{rest % 60:02d} left")
         parts.append(state.figure.format(state.error))
-    parts.append(f"{state.paths / 1e6:.1f} of {state.expected / 1e6:.1f} million paths")
+    parts.append(f"{state.paths / 1e6:.1f} of {state.expected / 1e6:.1f} M paths")
     return ", ".join(parts)
 
 
 def _live_bar() -> Any:
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+    from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, TextColumn
+    from rich.table import Column
+    from rich.text import Text
+
+    class Stage(ProgressColumn):
+        """The stage: of all columns the only one that a narrow terminal cuts."""
+
+        def render(self, task: Any) -> Text:
+            return Text(task.description, no_wrap=True, overflow="ellipsis")
 
     columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=12),
+        SpinnerColumn(table_column=Column(no_wrap=True)),
+        Stage(),
+        BarColumn(bar_width=8, table_column=Column(no_wrap=True)),
         TextColumn("{task.fields[note]}", markup=False),
     )
     return Progress(*columns, console=Console(stderr=True), transient=True)

@@ -181,7 +181,7 @@ class _Watch:
     ) -> None:
         self._progress, self._block = progress, block
         expected = state.expected
-        if state.paths:
+        if state.paths and state.goal > 0:  # without a goal it goes on to its limit
             expected = min(expected, round(state.paths * (state.error / state.goal) ** 2))
         self._state = state._replace(expected=expected)
 

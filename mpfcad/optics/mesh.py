@@ -18,6 +18,8 @@ from mpfcad.optics.mesh_solid import at, check_solid
 _RECORD = np.dtype(
     [("normal", "<f4", (3,)), ("vertex", "<f4", (3, 3)), ("attribute", "<u2")], align=False
 )
+#: Heights of films [mm], so that coordinates in µm or m are not taken for mm.
+_HEIGHT = (0.001, 20.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,11 @@ def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -
     size = high - low
     if not (size > 0).all():
         raise InputError(f"{path}: mesh: extent {tuple(size)} mm: must be a solid")
+    if not _HEIGHT[0] <= size[2] <= _HEIGHT[1]:
+        raise InputError(
+            f"{path}: mesh: {size[2]:g} mm high: must be {_HEIGHT[0]:g} to {_HEIGHT[1]:g} mm: "
+            "coordinates are in mm"
+        )
     whole = (float(size[0]), float(size[1]), float(size[2]))
     sides = [_lies_in(vertex, facet, axis, plane) for axis in (0, 1) for plane in (0.0, size[axis])]
     under = _lies_in(vertex, facet, 2, 0.0)
@@ -117,6 +124,8 @@ def read_facets(path: Path) -> NDArray[np.float32]:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from error
     count = int.from_bytes(data[80:84], "little")
     if len(data) < 84 or len(data) != 84 + count * _RECORD.itemsize:
+        if data.lstrip()[:5] == b"solid" and b"facet" in data[:1000]:
+            raise InputError(f"{path}: an STL written as text: must be a binary STL")
         raise InputError(
             f"{path}: not a binary STL: {len(data)} bytes for {count} facets, "
             f"expected {84 + count * _RECORD.itemsize}"

@@ -31,4 +31,7 @@ def test_interrupted_run_leaves_nothing(tmp_path, number, code):
     rest = process.communicate(timeout=60)[1]
     assert process.returncode == code, rest
     assert "Traceback" not in rest
+    assert rest.splitlines()[-1].endswith(
+        ": given again, the same command goes on where its trace was"
+    )
     assert list((tmp_path / "exports").iterdir()) == []

@@ -75,7 +75,12 @@ def test_truncated_file(tmp_path, size):
 def test_ascii_stl(tmp_path):
     path = tmp_path / "a.stl"
     path.write_text("solid film\n" + "facet normal 0 0 1\n" * 40 + "endsolid\n")
-    assert "not a binary STL" in refused(path)
+    assert "written as text: must be a binary STL" in refused(path)
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3], ids=["µm", "m"])
+def test_coordinates_in_another_unit_are_found(tmp_path, facets, factor):
+    assert "must be 0.001 to 20 mm" in refused(write_facets(tmp_path / "a.stl", facets * factor))
 
 
 def test_too_few_facets(tmp_path, facets):

@@ -43,25 +43,28 @@ def test_undercuts_and_several_bodies_equal_the_oracle(tmp_path, name):
     compare([Film(film_mesh(tmp_path, MIXED), 1.5), BOTTOM, film], 30, below=1.0)
 
 
-def compare(elements, count, first=0, below=0.0, chaotic=0.0, grown=0.0, tilt=(0.0, 0.0),
-            acceptance=0.5):  # fmt: skip
+def both(elements, count, first=0, below=0.0, tilt=(0.0, 0.0), acceptance=0.5):
+    """Return the radiance of paths by the engine and by the oracle, and of one of the oracle's."""
     scene = build_scene(elements, below=below)
     source = Source(EYE, np.array([0.1]), 0.05, *tilt, acceptance, along=0.3, spot_along=0.01)
     engine = np.empty(count)
     single_paths(scene, source, 1, first, engine, np.zeros(len(FLOWS) + len(elements)))
     oracle = ReferenceTracer(elements, below=below)
-    expected = np.array(
-        [
-            oracle.radiance(
-                0.1, 0.05, acceptance, Philox(1, EYE, p, 1), y=0.3, tilt=tilt, spot_along=0.01
-            )
-            for p in range(first, first + count)
-        ]
-    )
+
+    def alone(path, x=0.1, y=0.3):
+        random = Philox(1, EYE, int(path), 1)
+        return oracle.radiance(x, 0.05, acceptance, random, y=y, tilt=tilt, spot_along=0.01)
+
+    expected = np.array([alone(path) for path in range(first, first + count)])
     assert expected.any()
+    return engine, expected, alone
+
+
+def compare(elements, count, grown=0.0, **more):
+    engine, expected, _ = both(elements, count, **more)
     away = np.abs(engine - expected) / expected.max()
-    assert np.mean(away > 1e-9) <= max(chaotic, grown), np.flatnonzero(away > 1e-9) + first
-    assert np.mean(away > 1e-6) <= chaotic, np.flatnonzero(away > 1e-6) + first
+    assert np.mean(away > 1e-9) <= grown, np.flatnonzero(away > 1e-9)
+    assert not (away > 1e-6).any(), np.flatnonzero(away > 1e-6)
 
 
 @pytest.mark.parametrize("accelerator", ["chain", "bvh"])
@@ -93,6 +96,16 @@ def test_a_tilted_meter_equals_the_oracle(tmp_path, tilt):
 @pytest.mark.parametrize("name", ["conventional", "mpf", "mpf-plate"])
 def test_many_paths_equal_the_oracle(tmp_path, name):
     # A lamp is a convex mirror of 1.7 mm radius: a last-bit difference in place grows 10…100 times
-    # at each, so that a path with many lamps in it may end on another facet. About one in 10,000
-    # does.
-    compare(stack(name, tmp_path), 800, first=60, chaotic=3 / 800)
+    # at each. So a path may differ as much as from itself where the oracle's meter is moved by
+    # 1e-12 mm, 300 times the rounding of a place 20 mm up. What rounding does along the path, the
+    # start does not always tell: 3 of 800 may differ by more.
+    first = 60
+    engine, expected, alone = both(stack(name, tmp_path), 800, first=first)
+    away = np.abs(engine - expected) / expected.max()
+    moved = np.full(len(away), 1e-9)
+    for i in np.flatnonzero(away > 1e-9):
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            seen = alone(first + i, 0.1 + dx * 1e-12, 0.3 + dy * 1e-12)
+            moved[i] = max(moved[i], abs(seen - expected[i]) / expected.max())
+    print(f"{name}: {np.sum(away > 1e-9)} above 1e-9, largest {away.max():.1e}")
+    assert np.sum(away > moved) <= 3, first + np.flatnonzero(away > moved)
