@@ -41,20 +41,18 @@ def uniform_cases(values: str) -> list[Case]:
 
 def trace_case(stack, mesh, offset: float, effort: tuple) -> dict:
     """Return contrast, mean luminance [cd/m²] and first harmonic as [value, low, high]."""
-    from mpfcad.measure import Estimate, TraceRun, light_film, luminance_over_pitch
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
     half_width, limit = effort
     lit = light_film(stack, mesh, offset)
     found = luminance_over_pitch(lit, TraceRun(path_limit=limit), half_width_goal=half_width)
-    mean, cosine = found.fit.coefficient[:2]
-    error = float(found.fit.covariance[1, 1]) ** 0.5
-    first = Estimate.normal(float(cosine / mean), error / float(mean))
+    cosine, mean = found.fit.amplitude(1), found.fit.mean.value
     return {
         "contrast": [found.contrast.value, found.contrast.low, found.contrast.high],
         "luminance_cd_m2": [
             found.mean_luminance.value, found.mean_luminance.low, found.mean_luminance.high
         ],
-        "first_harmonic": [first.value, first.low, first.high],
+        "first_harmonic": [cosine.value / mean, cosine.low / mean, cosine.high / mean],
         "paths": found.paths,
     }  # fmt: skip
 

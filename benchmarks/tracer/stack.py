@@ -35,7 +35,7 @@ def stack_rows(folder, quick, present):
     blocks = 60 if quick else 240
     trace(scene, source, 1)
     tally, cpu = spent(lambda: trace(scene, source, blocks, seed=2))
-    fit = fit_harmonics(position, tally.radiance, tally.radiance_error)
+    fit = fit_harmonics(position, tally.radiance, tally.radiance_error, tally.blocks)
     reached = contrast_of_harmonics(fit).half_width
     mine = cpu * (reached / 0.001) ** 2
     name = "MPF stack, CPU to contrast half-width 0.001, beside Mitsuba"

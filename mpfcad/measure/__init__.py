@@ -10,9 +10,11 @@ from mpfcad.measure.angular import AngularCurve, AngularResult, angular_luminanc
 from mpfcad.measure.camera import CameraResult, camera_image
 from mpfcad.measure.checkpoint import Checkpoints, case_hash
 from mpfcad.measure.conoscope import ConoscopeResult, conoscope
-from mpfcad.measure.contrast import Estimate, contrast_of_harmonics, fit_harmonics
+from mpfcad.measure.contrast import contrast_of_harmonics
+from mpfcad.measure.estimate import Estimate, reach
 from mpfcad.measure.flux import FluxResult, output_flux
 from mpfcad.measure.harmonic import harmonic_amplitude, relative_spread
+from mpfcad.measure.harmonic_fit import fit_harmonics
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
@@ -45,6 +47,7 @@ __all__ = [
     "luminance_over_pitch",
     "output_flux",
     "panel_luminance",
+    "reach",
     "relative_spread",
     "screen_uniformity",
 ]

@@ -1,13 +1,14 @@
 """Angular luminance across and along the lamps, and the viewing angles read off it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate
 from mpfcad.measure.direction import trace_directions
 from mpfcad.measure.draw import estimate_by_draws
+from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun
 
 #: Polar angles [rad] of one curve, -80° … 80°.
@@ -25,6 +26,8 @@ class AngularCurve:
         (n,) float64 [rad], from the normal
     luminance, standard_error
         (n,) float64 [cd/m²]
+    freedom
+        degrees of freedom of a direction's standard error
     fwhm
         full width [rad] at half of the peak; None when the curve does not fall that far
     third
@@ -34,6 +37,7 @@ class AngularCurve:
     angle: NDArray[np.float64]
     luminance: NDArray[np.float64]
     standard_error: NDArray[np.float64]
+    freedom: float
     fwhm: Estimate | None
     third: Estimate | None
 
@@ -57,20 +61,19 @@ def angular_luminance(lit: Lit, run: TraceRun, error_goal: float) -> AngularResu
     azimuth = np.repeat([0.0, np.pi / 2], n)
     tally = trace_directions(lit, run, polar, azimuth, error_goal)
     curves = [
-        _curve(tally.radiance[part], tally.radiance_error[part], run.seed)
+        _curve(tally.radiance[part], tally.radiance_error[part], tally.radiance_freedom, run.seed)
         for part in (slice(0, n), slice(n, 2 * n))
     ]
     return AngularResult(*curves, tally.total_paths)
 
 
-def _curve(luminance: NDArray, error: NDArray, seed: int) -> AngularCurve:
-    fwhm = estimate_by_draws(
-        lambda v: width(ANGLES, v, peak(ANGLES, v) / 2), luminance, error, seed
-    )
-    third = estimate_by_draws(
-        lambda v: width(ANGLES, v, v[len(v) // 2] / 3), luminance, error, seed
-    )
-    return AngularCurve(ANGLES, luminance, error, fwhm, third)
+def _curve(luminance: NDArray, error: NDArray, freedom: float, seed: int) -> AngularCurve:
+    def estimate(figure: Callable[[NDArray[np.float64]], float | None]) -> Estimate | None:
+        return estimate_by_draws(figure, luminance, error, freedom, seed)
+
+    fwhm = estimate(lambda v: width(ANGLES, v, peak(ANGLES, v) / 2))
+    third = estimate(lambda v: width(ANGLES, v, v[len(v) // 2] / 3))
+    return AngularCurve(ANGLES, luminance, error, freedom, fwhm, third)
 
 
 def peak(angle: NDArray[np.float64], luminance: NDArray[np.float64]) -> float:

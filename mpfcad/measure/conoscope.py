@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate
 from mpfcad.measure.direction import trace_directions
+from mpfcad.measure.estimate import Estimate, estimate_sum
 from mpfcad.measure.rounds import Lit, TraceRun
 
 _STEP = np.radians(5)
@@ -53,19 +53,10 @@ def conoscope(lit: Lit, run: TraceRun, error_goal: float) -> ConoscopeResult:
         return np.vstack([np.full(spokes, values[0]), values[1:].reshape(rings, spokes)])
 
     luminance, error = on_map(tally.radiance), on_map(tally.radiance_error)
-    weight = exitance_weight()
-    return ConoscopeResult(
-        POLAR,
-        AZIMUTH,
-        luminance,
-        error,
-        Estimate.normal(
-            float((weight[:, None] * luminance).sum()),
-            # The normal has weight 0.
-            float(np.sqrt((weight[:, None] ** 2 * error**2).sum())),
-        ),
-        tally.total_paths,
-    )
+    # The normal has weight 0.
+    weight = np.concatenate([[0.0], np.repeat(exitance_weight()[1:], spokes)])
+    exitance = estimate_sum(weight, tally.radiance, tally.radiance_error, tally.blocks)
+    return ConoscopeResult(POLAR, AZIMUTH, luminance, error, exitance, tally.total_paths)
 
 
 def exitance_weight() -> NDArray[np.float64]:

@@ -3,115 +3,24 @@
 Contrast is (Lmax - Lmin)/(Lmax + Lmin) over one lamp pitch (Hsieh, MPF thesis, eq. 10). Maximum and
 minimum of 33 noisy points overstate it by about two standard errors. Here the curve is a Fourier
 series of the pitch fitted to all points; what bias is left in the fitted curve's contrast is taken
-out by asking which amplitude of that same curve, with noise of the fit's covariance added, gives
-the contrast read as its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval).
+out by asking which true contrast gives, with noise of the fit's covariance, the contrast read as
+its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval). The answer depends
+on the curve's shape, which is known only as well as the fit: each draw has a shape of its own.
 """
 
-from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
-_HARMONICS = (4, 6, 8, 10, 12)
+from mpfcad.measure.estimate import TAIL, Estimate, wobble
+from mpfcad.measure.harmonic_fit import HarmonicFit, basis
+
 _DRAWS = 2000
 _POINTS_A_HARMONIC = 32
 _GRID = 17
-#: 1.5 % on each side is left out, not 2.5 %: the shape's own error is not in the draws, and
-#: simulated curves show that the true contrast then lies within 93 … 98 % of the intervals.
-_TAIL = 0.015
+_STEPS = 1024
 _NORMAL = NormalDist()
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A figure with its 95 % interval [low, high] and standard error."""
-
-    value: float
-    low: float
-    high: float
-    standard_error: float
-
-    @property
-    def half_width(self) -> float:
-        """Half the width of the 95 % interval."""
-        return (self.high - self.low) / 2
-
-    @classmethod
-    def normal(cls, value: float, standard_error: float) -> "Estimate":
-        """Return the estimate of a normally distributed figure."""
-        half = 1.959963984540054 * standard_error
-        return cls(value, value - half, value + half, standard_error)
-
-
-@dataclass(frozen=True, eq=False)
-class HarmonicFit:
-    """A Fourier series over the pitch, fitted to luminances.
-
-    Attributes
-    ----------
-    coefficient
-        (1+2h,) float64 [cd/m²]: mean, then cosine and sine of each of h harmonics
-    covariance
-        (1+2h, 1+2h) float64, of the coefficients, from the points' standard errors
-    chi2_excess
-        (χ² - degrees of freedom)/√(2·degrees of freedom) of the fit
-    """
-
-    coefficient: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    chi2_excess: float
-
-    @property
-    def harmonics(self) -> int:
-        """Number of harmonics h."""
-        return (len(self.coefficient) - 1) // 2
-
-    def at(self, position: float) -> Estimate:
-        """Return the fitted luminance [cd/m²] at a position in pitches."""
-        basis = _basis(np.array([position]), self.harmonics)[0]
-        error = np.sqrt(basis @ self.covariance @ basis)
-        return Estimate.normal(float(basis @ self.coefficient), float(error))
-
-    def curve(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the fitted luminance [cd/m²] at positions in pitches."""
-        return _basis(position, self.harmonics) @ self.coefficient
-
-
-def _basis(position: NDArray[np.float64], harmonics: int) -> NDArray[np.float64]:
-    """Return 1, cos 2πu, sin 2πu, cos 4πu … at u, (n, 1+2h) float64."""
-    columns = [np.ones_like(position)]
-    for h in range(1, harmonics + 1):
-        columns += [np.cos(2 * np.pi * h * position), np.sin(2 * np.pi * h * position)]
-    return np.stack(columns, axis=1)
-
-
-def fit_harmonics(
-    position: NDArray[np.float64], luminance: NDArray[np.float64], error: NDArray[np.float64]
-) -> HarmonicFit:
-    """Return the weighted least-squares Fourier series through luminances over a pitch.
-
-    Parameters
-    ----------
-    position
-        (n,) float64, in pitches
-    luminance, error
-        (n,) float64 [cd/m²], value and standard error
-
-    The fewest of 4, 6, 8, 10, 12 harmonics that leave no residual beyond noise (χ² within 3σ of its
-    expectation) are taken, so that a curve with sharp features is not smoothed flat.
-    """
-    weight = 1 / np.maximum(error, 1e-12 * np.abs(luminance).max() + 1e-300)
-    for harmonics in _HARMONICS:
-        basis = _basis(position, harmonics) * weight[:, None]
-        covariance = np.linalg.inv(basis.T @ basis)
-        coefficient = covariance @ (basis.T @ (luminance * weight))
-        residual = luminance * weight - basis @ coefficient
-        freedom = len(position) - basis.shape[1]
-        excess = float((residual @ residual - freedom) / np.sqrt(2 * freedom))
-        if excess <= 3:
-            break
-    return HarmonicFit(coefficient, covariance, excess)
 
 
 def contrast_of_harmonics(
@@ -124,84 +33,100 @@ def contrast_of_harmonics(
     """
     fine = _POINTS_A_HARMONIC * fit.harmonics
     position = np.arange(fine) / fine if points is None else np.linspace(0, 1, points)
-    basis = _basis(position, fit.harmonics)
+    at = basis(position, fit.harmonics)
+    curve = at @ fit.coefficient
     rng = np.random.Generator(np.random.Philox(seed))
     root = np.linalg.cholesky(fit.covariance)
-    noise = rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T @ basis.T
-    read = float(_contrast(basis @ fit.coefficient))
-    return _unbiased(read, fit.coefficient[0], basis @ _denoised(fit), noise)
+    noise, other = (rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T for _ in range(2))
+    # What the reading's error is known to: that of the difference of its two ends.
+    freedom = fit.freedom(at[np.argmax(curve)] - at[np.argmin(curve)])
+    noise *= wobble(rng, _DRAWS, freedom)
+    shape = np.zeros_like(other)
+    for first in range(1, len(fit.coefficient), 2):
+        pair = slice(first, first + 2)
+        read = fit.coefficient[pair]
+        power = read @ np.linalg.solve(fit.covariance[pair, pair], read)
+        shape[:, pair] = _plausible(read, power, other[:, pair], rng)
+    return _unbiased(curve, shape @ at.T, noise @ at.T)
 
 
 def contrast_of_points(
-    luminance: NDArray[np.float64], error: NDArray[np.float64], seed: int = 0
+    luminance: NDArray[np.float64],
+    error: NDArray[np.float64],
+    blocks: float = np.inf,
+    seed: int = 0,
 ) -> Estimate:
     """Return the contrast of single noisy points, median-unbiased, with its 95 % interval.
 
-    luminance, error: (n,) float64 [cd/m²], value and standard error.
+    luminance, error: (n,) float64 [cd/m²], value and standard error, this from so many blocks.
     """
-    mean = float(luminance.mean())
-    shape = luminance - mean
+    from mpfcad.optics.recorder import freedom_of_sum
+
+    shape = luminance - luminance.mean()
     if shape.max() == shape.min():
         return Estimate(0.0, 0.0, 0.0, 0.0)
     rng = np.random.Generator(np.random.Philox(seed))
-    noise = rng.standard_normal((_DRAWS, len(luminance))) * error
-    return _unbiased(float(_contrast(luminance)), mean, shape, noise)
+    noise, other = (rng.standard_normal((_DRAWS, len(luminance))) * error for _ in range(2))
+    ends = np.zeros(len(luminance))
+    ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
+    noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
+    power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
+    return _unbiased(luminance, _plausible(shape, power, other, rng), noise)
+
+
+def _plausible(
+    read: NDArray[np.float64], power: float, noise: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return true values that noisy ones may stand for, (draws, m).
+
+    read: (m,), |read|² = `power` in units of the noise; noise: (draws, m) that such values have.
+
+    The truth is taken as normal about 0, with the share κ of noise in what is read as likely here
+    as there in (0, 1) (Strawderman, "Proper Bayes minimax estimators of the multivariate normal
+    mean", 1971). Once read, κ has the density κ^(m/2) exp(-κ·power/2), and the truth given κ is
+    normal about (1-κ)·read with 1-κ times the noise's covariance. Taken as read, the shape of a
+    noisy curve is rougher than the truth; taken as certain once shrunk, intervals are too narrow.
+    """
+    a, s = len(read) / 2 + 1, power / 2
+    end = 1.0 if s == 0 else min(1.0, (a + 8 * np.sqrt(a) + 20) / s)
+    step = (np.arange(_STEPS) + 0.5) / _STEPS * end
+    share = np.cumsum(step ** (a - 1) * np.exp(-step * s))
+    kappa = np.interp(rng.random((len(noise), 1)) * share[-1], share, step)
+    return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
 
 
 def _unbiased(
-    read: float, mean: float, shape: NDArray[np.float64], noise: NDArray[np.float64]
+    curve: NDArray[np.float64], shape: NDArray[np.float64], noise: NDArray[np.float64]
 ) -> Estimate:
-    """Return the true contrasts of mean + factor · shape of which, with noise, `read` is read.
+    """Return the true contrasts of which, with noise, that of `curve` is read.
 
-    shape: (n,) [cd/m²]; noise: (draws, n) [cd/m²].
+    curve: (n,) [cd/m²]; shape, noise: (draws, n) [cd/m²].
     """
+    read, mean = float(_contrast(curve)), curve.mean()
+    shape = shape - shape.mean(axis=1, keepdims=True)
+    top, bottom = shape.max(axis=1), shape.min(axis=1)
 
     def readings(contrast: float) -> NDArray[np.float64]:
-        """Return what the draws read about the shape with a true contrast, (draws,)."""
-        return _contrast(mean + _scale(shape, mean, contrast) * shape + noise)
+        """Return what the draws read, each about its shape with a true contrast, (draws,)."""
+        factor = 2 * contrast * mean / ((top - bottom) - contrast * (top + bottom))
+        return _contrast(mean + factor[:, None] * shape + noise)
 
+    # A curve read flatter than most flat ones are would get an interval the shorter, the luckier
+    # the reading, down to [0, 0]: it gets that of the median flat one (Cowan, Cranmer, Gross and
+    # Vitells, "Power-constrained limits", 2011).
+    read = max(read, float(np.median(readings(0.0))))
     # The share of draws that read less than seen falls with the true contrast, as a normal
     # distribution does nearly: straight in its quantiles, so a coarse grid is enough.
     spread = float(np.std(readings(read)))
-    grid = np.linspace(max(0.0, read - 6 * spread), read + 6 * spread, _GRID)
-    share = np.array([np.mean(readings(c) < read) for c in grid])
-    share = np.clip(np.minimum.accumulate(share), 0.5 / _DRAWS, 1 - 0.5 / _DRAWS)
-    quantile = [-_NORMAL.inv_cdf(s) for s in share]
+    grid = np.linspace(max(0.0, read - 6 * spread), min(1.0, read + 6 * spread), _GRID)
+    below = np.array([np.mean(readings(c) < read) for c in grid])
+    below = np.clip(np.minimum.accumulate(below), 0.5 / _DRAWS, 1 - 0.5 / _DRAWS)
+    quantile = [-_NORMAL.inv_cdf(s) for s in below]
 
     def contrast_where(wanted: float) -> float:
         return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
 
-    value, low, high = (contrast_where(q) for q in (0.5, 1 - _TAIL, _TAIL))
-    # A curve read flatter than nearly all draws of a flat one would get the interval [0, 0],
-    # however few its paths: it gets that of a typical flat one.
-    if high < spread:
-        high = 2 * 1.959963984540054 * spread
-    return Estimate(value, low, high, (high - low) / (2 * 1.959963984540054))
-
-
-def _denoised(fit: HarmonicFit) -> NDArray[np.float64]:
-    """Return the coefficients without the mean, each harmonic shrunk by the noise in it, (1+2h,).
-
-    Factor 1 - 2 v/|c|², at least 0, with v the variance expected in |c|² (after James and Stein,
-    1961). The shape of a noisy fit is rougher than the truth and would read noise twice.
-    """
-    shrunk = fit.coefficient.copy()
-    shrunk[0] = 0.0
-    variance = np.diag(fit.covariance)
-    for first in range(1, len(shrunk), 2):
-        pair = slice(first, first + 2)
-        power = shrunk[pair] @ shrunk[pair]
-        if power > 0:
-            shrunk[pair] *= max(0.0, 1.0 - 2.0 * variance[pair].sum() / power)
-    if not shrunk.any():
-        shrunk[1:] = fit.coefficient[1:]
-    return shrunk
-
-
-def _scale(shape: NDArray[np.float64], mean: float, contrast: float) -> float:
-    """Return the factor at which mean + factor · shape has a contrast."""
-    high, low = shape.max(), shape.min()
-    return 2 * contrast * mean / ((high - low) - contrast * (high + low))
+    return Estimate.within(*(contrast_where(q) for q in (0.5, 1 - TAIL, TAIL)))
 
 
 def _contrast(curve: NDArray[np.float64]) -> NDArray[np.float64]:

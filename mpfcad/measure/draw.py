@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate
+from mpfcad.measure.estimate import TAIL, Estimate, wobble
 
 _DRAWS = 1000
 
@@ -14,6 +14,7 @@ def estimate_by_draws(
     figure: Callable[[NDArray[np.float64]], float | None],
     value: NDArray[np.float64],
     error: NDArray[np.float64],
+    freedom: float = np.inf,
     seed: int = 0,
 ) -> Estimate | None:
     """Return a figure of noisy values with its 95 % interval; None where the values have none.
@@ -24,6 +25,8 @@ def estimate_by_draws(
         what is read off (n,) values, or None when they do not have it
     value, error
         (n,) float64, values and their standard errors
+    freedom
+        degrees of freedom of those errors, as of one value's
 
     Noise is added to the values again and again (Efron, "Bootstrap methods", 1979): how much the
     figure then rises in the mean is its bias, taken off once, and the interval is the draws' own
@@ -33,10 +36,11 @@ def estimate_by_draws(
     if read is None:
         return None
     rng = np.random.Generator(np.random.Philox(seed))
-    noisy = value + rng.standard_normal((_DRAWS, len(value))) * error
+    noise = rng.standard_normal((_DRAWS, len(value))) * error
+    noisy = value + noise * wobble(rng, _DRAWS, freedom)
     readings = [reading for reading in map(figure, noisy) if reading is not None]
-    if len(readings) < 0.975 * _DRAWS:
+    if len(readings) < (1 - TAIL) * _DRAWS:
         return None
-    low, high = 2 * read - np.quantile(readings, (0.975, 0.025))
+    low, high = 2 * read - np.quantile(readings, (1 - TAIL, TAIL))
     spread = float(np.std(readings))
     return Estimate(float(2 * read - np.mean(readings)), float(low), float(high), spread)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpfcad.measure.contrast import Estimate
+from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 from mpfcad.measure.uniformity import middle
 
@@ -57,7 +57,9 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
         error_goal,
         _FORWARD,
     )
-    efficiency = Estimate.normal(float(forward.fraction[up]), float(forward.fraction_error[up]))
+    efficiency = Estimate.student(
+        float(forward.fraction[up]), float(forward.fraction_error[up]), forward.fraction_freedom
+    )
     # A meter of acceptance sine 1: kx, ky uniform over the unit disk, as Lambertian light arrives.
     stack = lit.stack
     place = (np.array([stack.lamp_pitch / 2]), stack.lamp_pitch)
@@ -77,8 +79,10 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
     return FluxResult(
         efficiency,
         scaled(efficiency, emitted / area),
-        Estimate.normal(
-            float(np.pi * backward.radiance[0]), float(np.pi * backward.radiance_error[0])
+        Estimate.student(
+            float(np.pi * backward.radiance[0]),
+            float(np.pi * backward.radiance_error[0]),
+            backward.radiance_freedom,
         ),
         scaled(efficiency, emitted),
         forward.total_paths + backward.total_paths,

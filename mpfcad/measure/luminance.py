@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate, HarmonicFit, contrast_of_harmonics, fit_harmonics
+from mpfcad.measure.contrast import contrast_of_harmonics
+from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.harmonic_fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 
 if TYPE_CHECKING:
@@ -29,6 +31,8 @@ class LuminanceResult:
         (33,) float64, in lamp pitches from a lamp's axis
     luminance, standard_error
         (33,) float64 [cd/m²], each point averaged over the meter's spot
+    freedom
+        degrees of freedom of a point's standard error
     fit
         the Fourier series through them
     contrast, mean_luminance
@@ -45,6 +49,7 @@ class LuminanceResult:
     position_pitch: NDArray[np.float64]
     luminance: NDArray[np.float64]
     standard_error: NDArray[np.float64]
+    freedom: float
     fit: HarmonicFit
     contrast: Estimate
     mean_luminance: Estimate
@@ -76,7 +81,7 @@ def luminance_over_pitch(
     )
 
     def read(tally: "Tally") -> tuple[HarmonicFit, Estimate]:
-        fit = fit_harmonics(position, tally.radiance, tally.radiance_error)
+        fit = fit_harmonics(position, tally.radiance, tally.radiance_error, tally.blocks)
         return fit, contrast_of_harmonics(fit, run.seed)
 
     tally = trace_rounds(
@@ -87,9 +92,10 @@ def luminance_over_pitch(
         position,
         tally.radiance,
         tally.radiance_error,
+        tally.radiance_freedom,
         fit,
         contrast,
-        Estimate.normal(float(fit.coefficient[0]), float(np.sqrt(fit.covariance[0, 0]))),
+        fit.mean,
         _energy(lit.scene, lit.elements, run.seed, run.threads),
         tally.total_paths,
         lit.accelerator,

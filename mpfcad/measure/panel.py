@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.measure.contrast import Estimate
+from mpfcad.measure.estimate import Estimate, estimate_sum
 from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 from mpfcad.measure.uniformity import middle
 
@@ -79,16 +79,22 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
     )
     tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = tally.radiance.reshape(n, m), tally.radiance_error.reshape(n, m)
-    corners = tuple(_over_middle(value, error, i, k) for i in (0, -1) for k in (0, -1))
+    corners = tuple(
+        _over_middle(value, error, tally.blocks, i, k) for i in (0, -1) for k in (0, -1)
+    )
     return PanelResult(across, along, value, error, corners, tally.total_paths)
 
 
-def _over_middle(value: NDArray, error: NDArray, i: int, k: int) -> Estimate:
+def _over_middle(value: NDArray, error: NDArray, blocks: int, i: int, k: int) -> Estimate:
+    """Return a corner's luminance over the middle's; its error is that of the linear part."""
     n, m = (size // 2 for size in value.shape)
     half = CELLS_A_LAMP // 2
     part = (slice(n - half, n + half), slice(m - 1, m + 1))
     centre = value[part].mean()
-    centre_error = np.sqrt((error[part] ** 2).sum()) / value[part].size
-    share = value[i, k] / centre
-    relative = np.hypot(error[i, k] / value[i, k], centre_error / centre)
-    return Estimate.normal(float(share), float(share * relative))
+    share = float(value[i, k] / centre)
+    weight = np.zeros(value.shape)
+    weight[part] = -share / (centre * value[part].size)
+    weight[i, k] = 1 / centre
+    # The weighted sum itself is 0: the corner less its share of the middle.
+    off = estimate_sum(weight.ravel(), value.ravel(), error.ravel(), blocks)
+    return Estimate(share, share + off.low, share + off.high, off.standard_error)

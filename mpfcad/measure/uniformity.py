@@ -11,7 +11,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import Estimate, contrast_of_points
+from mpfcad.measure.contrast import contrast_of_points
+from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 
 _FIGURE = "luminance ± {:.4f} of the mean"
@@ -62,22 +63,25 @@ def screen_uniformity(lit: Lit, run: TraceRun, error_goal: float) -> UniformityR
     tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = tally.radiance, tally.radiance_error
     found = {
-        count: uniformity(value[list(at)], error[list(at)], run.seed)
+        count: uniformity(value[list(at)], error[list(at)], tally.blocks, run.seed)
         for count, at in METERS.items()
     }
     return UniformityResult(SCREEN_POINTS, value, error, found, tally.total_paths)
 
 
 def uniformity(
-    luminance: NDArray[np.float64], error: NDArray[np.float64], seed: int = 0
+    luminance: NDArray[np.float64],
+    error: NDArray[np.float64],
+    blocks: float = np.inf,
+    seed: int = 0,
 ) -> Estimate:
     """Return δ = Lmin/Lmax of points [cd/m²] with standard errors, without the noise's bias.
 
     δ = (1 - K)/(1 + K) with K the points' contrast, which `contrast_of_points` estimates.
     """
-    contrast = contrast_of_points(luminance, error, seed)
+    contrast = contrast_of_points(luminance, error, blocks, seed)
     value, low, high = ((1 - k) / (1 + k) for k in (contrast.value, contrast.high, contrast.low))
-    return Estimate(value, low, high, (high - low) / (2 * 1.959963984540054))
+    return Estimate.within(value, low, high)
 
 
 def middle(lit: Lit) -> float:

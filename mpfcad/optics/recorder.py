@@ -61,8 +61,9 @@ class Tally(NamedTuple):
 
         Paths of a block are a net, so the blocks' means scatter less than their paths do: by a
         ratio of variances that every point has of its own, and alike at all. Few blocks tell it
-        badly, so a point's is averaged with that of all points, which counts as `_SHARED` blocks.
-        Of a single block the paths' own variance is taken, which is too large.
+        badly, so a point's, of d = blocks - 1 degrees of freedom, is averaged with that of all
+        points, which counts as `_SHARED` degrees (Smyth, "Linear models and empirical Bayes
+        methods", 2004). Of a single block the paths' own variance is taken, which is too large.
         """
         paths, blocks = self.paths, self.blocks
         variance = np.maximum(0.0, self.score2 / paths - self.radiance**2)
@@ -71,8 +72,13 @@ class Tally(NamedTuple):
         of_blocks = _variance(self.score, self.block2, blocks) * blocks / paths
         ratio = of_blocks / np.where(variance > 0, variance, np.inf)
         shared = ratio.sum() / max(1, np.count_nonzero(variance))
-        ratio = (blocks * ratio + _SHARED * shared) / (blocks + _SHARED)
+        ratio = ((blocks - 1) * ratio + _SHARED * shared) / (blocks - 1 + _SHARED)
         return np.sqrt(ratio * variance / paths)
+
+    @property
+    def radiance_freedom(self) -> float:
+        """Degrees of freedom of a single point's `radiance_error`."""
+        return _pooled_freedom(1.0, np.count_nonzero(self.radiance_error), self.blocks)
 
     @property
     def fraction(self) -> NDArray[np.float64]:
@@ -84,6 +90,42 @@ class Tally(NamedTuple):
         """Standard error of `fraction`, (f,) float64, from the blocks' spread; two at least."""
         variance = _variance(self.flow, self.flow2, self.blocks)
         return np.sqrt(self.blocks * variance) / self.total_paths
+
+    @property
+    def fraction_freedom(self) -> float:
+        """Degrees of freedom of `fraction_error`."""
+        return float(self.blocks - 1)
+
+
+def freedom_of_sum(weight: NDArray[np.float64], error: NDArray[np.float64], blocks: float) -> float:
+    """Return the degrees of freedom of the error √Σ(weight · error)² of a weighted sum of points.
+
+    weight, error: (p,) float64, error the `radiance_error` of a tally of `blocks` blocks (inf:
+    errors that are known). Without any error it is that of a single point.
+    """
+    part = (weight * error) ** 2
+    own = np.sum((part / part.sum()) ** 2) if part.sum() > 0 else 1.0
+    return _pooled_freedom(float(own), np.count_nonzero(error), blocks)
+
+
+def _pooled_freedom(own: float, points: int, blocks: float) -> float:
+    """Return the degrees of freedom of a variance whose parts come from points with pooled errors.
+
+    own: Σ q² of the points' shares q in the variance, 1 for a single point.
+
+    An error² is (d·s² + d₀·S)/(d + d₀) with s² of the point itself, of variance 2/d in units of its
+    square, and S the mean of the p points' s², whose true values scatter with variance 2/d₀. The
+    variance of Σ q·error² is then 2/f with
+
+        1/f = own/(d + d₀) + (1/d - 1/(d + d₀))/p
+
+    (matched as by Satterthwaite, "An approximate distribution of estimates of variance components",
+    1946): d for one point alone, d + d₀ for one of very many, p·d for the mean of alike points.
+    """
+    if blocks == 1 or np.isinf(blocks):
+        return np.inf
+    d, pooled = blocks - 1, blocks - 1 + _SHARED
+    return float(1 / (own / pooled + (1 / d - 1 / pooled) / max(points, 1)))
 
 
 def _variance(total: NDArray[np.float64], squares: NDArray[np.float64], count: int) -> NDArray:

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpfcad.measure import reach
 from mpfcad.report.figure import (
     FILM_COLOUR,
     FINE,
     THIRD_COLOUR,
-    Z95,
     fourier,
     line,
     rounded,
@@ -39,7 +39,7 @@ def angular_overlay(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure
 
     figure = go.Figure()
     for name, curve, colour in curves:
-        error = Z95 * np.array(curve["standard_error_cd_m2"])
+        error = reach(curve["degrees_of_freedom"]) * np.array(curve["standard_error_cd_m2"])
         figure.add_scatter(
             x=curve["angle_deg"], y=rounded(curve["luminance_cd_m2"], 2),
             error_y={"array": rounded(error, 2), "thickness": 1, "width": 2},
@@ -136,7 +136,8 @@ def pitch_figure(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":
         mean = found["mean_luminance_cd_m2"]["value"]
         curve = found["luminance"]
         value = np.array(curve["luminance_cd_m2"]) / mean - 1
-        error = Z95 * np.array(curve["standard_error_cd_m2"]) / mean
+        error = np.array(curve["standard_error_cd_m2"]) / mean
+        error *= reach(found["degrees_of_freedom"])
         fit = fourier(FINE, found["fit"]["coefficient_cd_m2"]) / mean - 1
         figure.add_scatter(
             x=rounded(FINE, 5), y=rounded(fit * 100, 4), mode="lines", name=name,

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mpfcad.measure import reach
+
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
 FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
-#: Two-sided 95 % of a normal distribution, in standard errors.
-Z95 = 1.96
 #: Positions [pitch] at which the fitted curves are drawn.
 FINE = np.linspace(0, 1, 129)
 #: Curves are drawn anew for the width of a sheet of paper, and for the window afterwards.
@@ -62,7 +62,7 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         curve = found["luminance"]
         x = np.array(curve["position_pitch"])
         value = np.array(curve["luminance_cd_m2"])
-        error = Z95 * np.array(curve["standard_error_cd_m2"])
+        error = reach(found["degrees_of_freedom"]) * np.array(curve["standard_error_cd_m2"])
         fit = fourier(FINE, found["fit"]["coefficient_cd_m2"])
         mean = found["mean_luminance_cd_m2"]["value"]
         dress = (name, colour, band)

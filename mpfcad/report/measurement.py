@@ -22,7 +22,7 @@ from mpfcad.report.verification import describe_luminance
 from mpfcad.units import deg
 
 #: Of the records below; figures kept under another one are measured anew.
-MEASUREMENT_SCHEMA = 2
+MEASUREMENT_SCHEMA = 3
 _HARMONICS = 3
 
 
@@ -63,6 +63,7 @@ def _describe_curve(curve: AngularCurve) -> dict[str, Any]:
         "angle_deg": _degrees(curve.angle),
         "luminance_cd_m2": _numbers(curve.luminance),
         "standard_error_cd_m2": _numbers(curve.standard_error),
+        "degrees_of_freedom": float(curve.freedom),
         "fwhm_deg": describe_estimate(curve.fwhm, 1 / deg),
         "third_of_normal_width_deg": describe_estimate(curve.third, 1 / deg),
     }
@@ -143,12 +144,28 @@ def describe_estimate(estimate: Estimate | None, factor: float = 1.0) -> dict[st
 
 
 def ratio(over: dict[str, Any], under: dict[str, Any]) -> dict[str, Any]:
-    """Return the quotient of two described estimates whose errors are independent."""
+    """Return the quotient of two described estimates whose errors are independent.
+
+    Standard errors add in quadrature, and so do the distances to the intervals' ends, which keeps
+    what each knows of its degrees of freedom (Zou and Donner, "Construction of confidence limits
+    about effect measures", 2008).
+    """
     value = over["value"] / under["value"]
-    error = value * np.hypot(
-        over["standard_error"] / over["value"], under["standard_error"] / under["value"]
+
+    def apart(of_over: float, of_under: float) -> float:
+        return float(value * np.hypot(of_over / over["value"], of_under / under["value"]))
+
+    def end(of: dict[str, Any], i: int) -> float:
+        return of["ci95"][i] - of["value"]
+
+    return describe_estimate(
+        Estimate(
+            float(value),
+            value - apart(end(over, 0), end(under, 1)),
+            value + apart(end(over, 1), end(under, 0)),
+            apart(over["standard_error"], under["standard_error"]),
+        )
     )
-    return describe_estimate(Estimate.normal(float(value), float(error)))
 
 
 def _numbers(values: Any) -> list[float]:

@@ -228,9 +228,9 @@ def luminance_section(record: Record) -> str:
     ]
     limit = record["gates"][0]["limit"]
     caption = (
-        "33 points over one lamp pitch at the panel's middle, with their 95 % band (± 1.96 "
-        "standard errors); the lines are the Fourier series that the contrast is read from, so "
-        "that single noisy points do not widen L<sub>max</sub> − L<sub>min</sub>. Right: "
+        "33 points over one lamp pitch at the panel's middle, with their 95 % band; the lines "
+        "are the Fourier series that the contrast is read from, so that single noisy points do not "
+        "widen L<sub>max</sub> − L<sub>min</sub>. Right: "
         f"L / mean − 1; the dotted lines stand at ± {limit * 100:g} %."
     )
     return (

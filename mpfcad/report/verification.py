@@ -140,6 +140,7 @@ def describe_luminance(result: LuminanceResult) -> dict[str, Any]:
             "luminance_cd_m2": _numbers(result.luminance),
             "standard_error_cd_m2": _numbers(result.standard_error),
         },
+        "degrees_of_freedom": float(result.freedom),
         "fit": {
             "coefficient_cd_m2": _numbers(result.fit.coefficient),
             "chi2_excess": float(result.fit.chi2_excess),
