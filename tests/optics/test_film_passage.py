@@ -49,7 +49,7 @@ def test_all_accelerators_give_the_same_rays(tmp_path, name, up):
 
 
 EDGE_CASES = [(a, n) for n in FILMS for a in ("chain", "section", "bvh")]
-EDGE_CASES += [("section", n) for n in SECTIONS]
+EDGE_CASES += [(a, n) for n in SECTIONS for a in ("section", "bvh")]
 
 
 @pytest.mark.parametrize("up", [True, False])
