@@ -67,7 +67,7 @@ def transmittance(element, seed):
 
 def test_a_full_groove_on_almost_no_prism_is_a_plate(tmp_path):
     flat = film_mesh(tmp_path, [groove(0.0)], base=0.175)
-    low = extruded(BARE[0] + 0.025, 1e-4 + 1e-3 * BARE[1], 0.1)
+    low = extruded(BARE[0] + 0.025, 1e-3 + 1e-3 * BARE[1], 0.1)
     prism = read_film_mesh(write_facets(tmp_path / "prism.stl", low))
     thickness = flat.size[2]
     resin = Film(flat, 1.5, resin=Resin(prism, 10.0, 0.3))
