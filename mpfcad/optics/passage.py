@@ -20,7 +20,7 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.direct import ALL_COUNTED, NONE_COUNTED, direct_light
+from mpfcad.optics.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
 from mpfcad.optics.element import BSDF, CAVITY, SHEET, SLAB
 from mpfcad.optics.film import placed_film_passage
 from mpfcad.optics.kernel import kernel
@@ -84,11 +84,16 @@ def _cavity(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
                     share, nearest = direct_light(parameter, x, dx, dz)
                     radiance += weight * share * parameter[LAMP_LUMINANCE]
                     first, last = int(nearest) - 1, int(nearest) + 1
+                come = dx / math.sqrt(dx * dx + dz * dz)
                 mirrored, dx, dy, dz = reflector_direction(
                     parameter[SPECULAR_FRACTION], dx, dy, dz, rng
                 )
                 if mirrored and not finite:
                     first, last = ALL_COUNTED
+                if finite:
+                    gone = dx / math.sqrt(dx * dx + dz * dz)
+                    surplus = panel_surplus(parameter, scene.lamp, x, come, gone)
+                    radiance += weight * surplus * parameter[LAMP_LUMINANCE]
             flow[FLOW_ELEMENTS] += before - weight
         elif what in (WALL_ACROSS, WALL_ALONG):
             flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])

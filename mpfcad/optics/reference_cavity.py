@@ -140,12 +140,41 @@ def _panel_passage(
             share, mirrored = (share, mirrored) if what == "z" else walls
             weight *= share
             o = _onto(o, "xyz".index(what), panel, what == "z")
-            if rng() < mirrored:
-                d = tuple(-c if n else c for c, n in zip(d, normal, strict=True))
-            else:
-                d = lambertian(normal, rng)
+            mirror = tuple(-c if n else c for c, n in zip(d, normal, strict=True))
+            d = mirror if rng() < mirrored else lambertian(normal, rng)
+            if what == "z":
+                total += weight * cavity.lamp_luminance * _surplus(cavity, o[0], mirror, d)
         weight = roulette(weight, rng)
     return True, (o[0], o[1], 0.0), d, weight, total
+
+
+def _surplus(cavity: Cavity, x: float, mirror: Vector, d: Vector) -> float:
+    """Return the mean light of endless lamps over directions after the reflector, less that in d.
+
+    Of three lamps as seen from below; what one hides of the next but one is not among them.
+    """
+    panel = cavity.panel
+    lamps = sorted(zip(panel.lamp_position, panel.lamp_factor, strict=True))
+    nearest = min(range(len(lamps)), key=lambda i: abs(lamps[i][0] - x))
+    seen = []
+    for place, factor in lamps[max(0, nearest - 1) : nearest + 2]:
+        angle = math.atan2(place - x, cavity.lamp_height)
+        half = math.asin(cavity.lamp_radius / math.hypot(place - x, cavity.lamp_height))
+        seen.append([angle - half, angle + half, factor])
+    for i in range(len(seen)):
+        middle = min(nearest, 1)
+        if i < middle:
+            seen[i][1] = min(seen[i][1], seen[middle][0])
+        elif i > middle:
+            seen[i][0] = max(seen[i][0], seen[middle][1])
+    seen = [s for s in seen if s[1] > s[0]]
+    view = sum((math.sin(high) - math.sin(low)) / 2 * factor for low, high, factor in seen)
+    by_mirror, taken = (
+        sum(factor for low, high, factor in seen if low <= math.atan2(v[0], v[2]) < high)
+        for v in (mirror, d)
+    )
+    share = cavity.specular_fraction
+    return (1 - share) * view + share * by_mirror - taken
 
 
 def _onto(o: Vector, axis: int, panel: Panel, floor: bool) -> Vector:
