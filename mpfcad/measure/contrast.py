@@ -47,7 +47,7 @@ def contrast_of_harmonics(
         read = fit.coefficient[pair]
         power = read @ np.linalg.solve(fit.covariance[pair, pair], read)
         shape[:, pair] = _plausible(read, power, other[:, pair], rng)
-    return _unbiased(curve, shape @ at.T, noise @ at.T)
+    return _unbiased(curve, at @ shape.T, at @ noise.T)
 
 
 def contrast_of_points(
@@ -71,7 +71,7 @@ def contrast_of_points(
     ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
     noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
     power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
-    return _unbiased(luminance, _plausible(shape, power, other, rng), noise)
+    return _unbiased(luminance, _plausible(shape, power, other, rng).T, noise.T)
 
 
 def _plausible(
@@ -100,16 +100,20 @@ def _unbiased(
 ) -> Estimate:
     """Return the true contrasts of which, with noise, that of `curve` is read.
 
-    curve: (n,) [cd/m²]; shape, noise: (draws, n) [cd/m²].
+    curve: (n,) [cd/m²]; shape, noise: (n, draws) [cd/m²].
     """
-    read, mean = float(_contrast(curve)), curve.mean()
-    shape = shape - shape.mean(axis=1, keepdims=True)
-    top, bottom = shape.max(axis=1), shape.min(axis=1)
+    read, mean = float(np.ptp(curve) / (curve.max() + curve.min())), curve.mean()
+    shape = shape - shape.mean(axis=0)
+    top, bottom = shape.max(axis=0), shape.min(axis=0)
+    noisy = np.empty_like(shape)
 
     def readings(contrast: float) -> NDArray[np.float64]:
         """Return what the draws read, each about its shape with a true contrast, (draws,)."""
         factor = 2 * contrast * mean / ((top - bottom) - contrast * (top + bottom))
-        return _contrast(mean + factor[:, None] * shape + noise)
+        np.multiply(shape, factor, out=noisy)
+        np.add(noisy, noise, out=noisy)
+        high, low = noisy.max(axis=0), noisy.min(axis=0)
+        return (high - low) / (high + low + 2 * mean)
 
     # A curve read flatter than most flat ones are would get an interval the shorter, the luckier
     # the reading, down to [0, 0]: it gets that of the median flat one (Cowan, Cranmer, Gross and
@@ -127,9 +131,3 @@ def _unbiased(
         return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
 
     return Estimate.within(*(contrast_where(q) for q in (0.5, 1 - TAIL, TAIL)))
-
-
-def _contrast(curve: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (max - min)/(max + min) over the last axis."""
-    high, low = curve.max(axis=-1), curve.min(axis=-1)
-    return (high - low) / (high + low)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.estimate import TAIL, Estimate, wobble
+from mpfcad.measure.estimate import TAIL, Estimate
 
 _DRAWS = 1000
 
@@ -29,18 +29,16 @@ def estimate_by_draws(
         degrees of freedom of those errors, as of one value's
 
     Noise is added to the values again and again (Efron, "Bootstrap methods", 1979): how much the
-    figure then rises in the mean is its bias, taken off once, and the interval is the draws' own
-    mirrored about what was read. Draws are fixed by `seed`.
+    figure then rises in the mean is its bias, taken off once, and its spread is the standard error.
+    Draws are fixed by `seed`.
     """
     read = figure(value)
     if read is None:
         return None
     rng = np.random.Generator(np.random.Philox(seed))
-    noise = rng.standard_normal((_DRAWS, len(value))) * error
-    noisy = value + noise * wobble(rng, _DRAWS, freedom)
+    noisy = value + rng.standard_normal((_DRAWS, len(value))) * error
     readings = [reading for reading in map(figure, noisy) if reading is not None]
     if len(readings) < (1 - TAIL) * _DRAWS:
         return None
-    low, high = 2 * read - np.quantile(readings, (1 - TAIL, TAIL))
-    spread = float(np.std(readings))
-    return Estimate(float(2 * read - np.mean(readings)), float(low), float(high), spread)
+    unbiased = float(2 * read - np.mean(readings))
+    return Estimate.student(unbiased, float(np.std(readings)), freedom)

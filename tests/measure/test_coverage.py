@@ -25,9 +25,9 @@ def plain(path):
 
 
 def patterned(path):
-    """Write a film whose C falls from 64 /mm above the lamps to 20 /mm between them."""
+    """Write a film whose C falls from 64 /mm above the lamps to 52 /mm between them."""
     place = (np.arange(654) + 0.5) / 654
-    return film_file(path, [groove(c) for c in 42 + 22 * np.cos(2 * np.pi * place)], base=0.2)
+    return film_file(path, [groove(c) for c in 58 + 6 * np.cos(2 * np.pi * place)], base=0.2)
 
 
 def lit_by(folder, film, stack, thickness=20.0):
