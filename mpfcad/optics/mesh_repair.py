@@ -76,7 +76,7 @@ def describe_repair(repair: Repair) -> str:
     parts = [f"{name} {count}" for name, count in counts.items() if count]
     if repair.united_bodies:
         change = f"{repair.volume_change:.3g} mm³"
-        parts.append(f"bodies of which overlaps were united {repair.united_bodies}, by {change}")
+        parts.append(f"united bodies {repair.united_bodies}, volume changed by {change}")
     return ", ".join(parts)
 
 
