@@ -60,7 +60,7 @@ def _exit_code(error: BaseException) -> int:
 
 
 def _stopped(how: str, code: int) -> int:
-    return _fail(f"{how}: given again, the same command goes on where its trace was", code)
+    return _fail(f"{how}: a trace goes on where it was when the same command is given again", code)
 
 
 def _fail(line: str, code: int) -> int:

@@ -197,7 +197,11 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
                 reach = lane[i]
                 if reach < 0.0:
                     n = bvh.normal[facet]
-                    if reach * abs(n[0] * dx + n[1] * dy + n[2] * dz) < -slack:
+                    row = 9 * number
+                    px, py = bvh.corner[row, i] - ox, bvh.corner[row + 1, i] - oy
+                    pz = bvh.corner[row + 2, i] - oz
+                    # By its plane: of a sliver the distance is known to far less than its height.
+                    if side * (n[0] * px + n[1] * py + n[2] * pz) < -slack:
                         continue
                     reach = 0.0
                 # Of facets at one distance, the first in the mesh: whatever the tree.
@@ -290,7 +294,8 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
             beyond = to_x + slack / abs(dx)
         if dy != 0.0:
             beyond = min(beyond, to_y + slack / abs(dy))
-        reach = min(beyond, leave) + slack
+        # Of a sliver the distance is known to less than the rounding of places.
+        reach = min(beyond, leave) + BEHIND * slack
         facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, slack, reach)
         if facet >= 0:
             x, y, z = x + distance * dx, y + distance * dy, z + distance * dz

@@ -95,7 +95,7 @@ def start_walk(grid, size, low, high, x, y, z, dx, dy, dz):
     beyond_x = to_x + select(magnitude(dx) > 0.0, slack / magnitude(dx), 0.0)
     beyond_y = to_y + select(magnitude(dy) > 0.0, slack / magnitude(dy), 0.0)
     best = select(beyond_x < beyond_y, beyond_x, beyond_y)
-    best = select(best < leave, best, leave) + slack
+    best = select(best < leave, best, leave) + BEHIND * slack
     p, q = x * (nx / width), y * (ny / length)
     # A speed of -0 is 0: it has no sign to step by.
     speed_p, speed_q = dx * (nx / width) + 0.0, dy * (ny / length) + 0.0
@@ -180,8 +180,8 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
         if any_of(met & (beyond | over)):
             met = met & ((beyond ^ True) | on_edge(aim, a, b, c, slack))
             _, across_x, across_y, across_z = gather_row(grid.corner, entry * 3 + 2)
-            gap = distance * magnitude(across_x * dx + across_y * dy + across_z * dz)
-            met = met & (gap >= -slack)
+            gap = (ax - x) * across_x + (ay - y) * across_y + (az - z) * across_z
+            met = met & ((distance >= 0.0) | (side * gap >= -slack))
             distance = select(over, 0.0, distance)
         again = met & (place >= 0) & (distance == best)
         if any_of(again):

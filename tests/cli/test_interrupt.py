@@ -32,6 +32,6 @@ def test_interrupted_run_leaves_nothing(tmp_path, number, code):
     assert process.returncode == code, rest
     assert "Traceback" not in rest
     assert rest.splitlines()[-1].endswith(
-        ": given again, the same command goes on where its trace was"
+        ": a trace goes on where it was when the same command is given again"
     )
     assert list((tmp_path / "exports").iterdir()) == []
