@@ -1,120 +1,96 @@
-"""Builds the binary tree of boxes that `bvh` makes eight wide.
-
-Split where the surface-area heuristic in 16 bins is least (Wald, "On fast construction of SAH-based
-bounding volume hierarchies", 2007), laid out depth first: a node's first child follows it.
-"""
-
-import math
+"""Builds the tree of `bvh` over a film's top: a binary tree made eight wide."""
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-_BINS = 16
-LEAF = 8
+from mpfcad.optics.bvh import Bvh
+from mpfcad.optics.bvh_split import LEAF, binary_tree
+from mpfcad.optics.lanes import LANES
+from mpfcad.optics.lanes_array import aligned
+from mpfcad.optics.mesh import FilmMesh
+from mpfcad.optics.seam import facet_normals, with_seam
+
+
+def build_bvh(mesh: FilmMesh) -> Bvh:
+    """Return the tree over the top facets of a film mesh."""
+    corner, number = with_seam(mesh.vertex[mesh.top], *mesh.size[:2])
+    low, high = corner.min(axis=1), corner.max(axis=1)
+    order, box, leaf, skip = binary_tree(low, high, (low + high) / 2)
+    normal = facet_normals(mesh.vertex[mesh.top])
+    # Widen the boxes by more than the rounding of what is tested, so that no facet is lost.
+    margin = 64 * np.finfo(float).eps * max(mesh.size)
+    box[:, :3] -= margin
+    box[:, 3:] += margin
+    wide, child, used = _widen(box, leaf, skip)
+    blocks = leaf[used]
+    place = np.minimum(np.arange(LEAF), blocks[:, 1:] - 1) + blocks[:, :1]
+    facet = order[place]
+    points = corner[facet].reshape(len(blocks), LEAF, 9).transpose(0, 2, 1)
+    facet = np.where(np.arange(LEAF) < blocks[:, 1:], number[facet], -1)
+    # A triangle of one point is met by no ray.
+    points = np.where(facet[:, None] < 0, np.tile(points[:, :3, :1], (1, 3, LEAF)), points)
+    box, points = _outward(wide).reshape(-1, LANES), points.reshape(-1, LEAF)
+    child, facet = child.astype(np.int32), facet.astype(np.int32)
+    return Bvh(*(_on_lines(v) for v in (box, child, points, facet)), normal)
+
+
+def _on_lines(array: NDArray) -> NDArray:
+    """Return an array that begins with a cache line."""
+    out = aligned(array.shape, array.dtype)
+    out[:] = array
+    return out
+
+
+def _outward(box: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return boxes (n, 6, 8) in single precision, none smaller."""
+    single = box.astype(np.float32)
+    low = np.nextafter(single[:, :3], np.float32(-np.inf))
+    high = np.nextafter(single[:, 3:], np.float32(np.inf))
+    return np.concatenate([low, high], axis=1)
 
 
 @njit(cache=True)
-def binary_tree(low, high, centre):
-    """Return (order (t,), box (n, 6), leaf (n, 2), skip (n,)) of the tree over boxes low…high."""
-    count = len(centre)
-    order = np.arange(count)
-    box = np.empty((2 * count, 6))
-    leaf = np.zeros((2 * count, 2), np.int64)
-    parent = np.empty(2 * count, np.int64)
-    stack = [(-1, 0, count)]
-    used = 0
-    while len(stack) > 0:
-        above, first, last = stack.pop()
-        node = used
-        parent[node] = above
-        used += 1
-        for axis in range(3):
-            box[node, axis] = np.inf
-            box[node, 3 + axis] = -np.inf
-            for i in range(first, last):
-                box[node, axis] = min(box[node, axis], low[order[i], axis])
-                box[node, 3 + axis] = max(box[node, 3 + axis], high[order[i], axis])
-        middle = first
-        if last - first > LEAF:
-            middle = _partition(order, low, high, centre, first, last)
-        if middle in (first, last):
-            leaf[node, 0] = first
-            leaf[node, 1] = last - first
-            continue
-        stack.append((node, middle, last))
-        stack.append((node, first, middle))
-    size = np.ones(used, np.int64)
-    for node in range(used - 1, 0, -1):
-        size[parent[node]] += size[node]
-    return order, box[:used].copy(), leaf[:used].copy(), np.arange(used) + size
+def _widen(box, leaf, skip):
+    """Return (boxes (n, 6, 8), children (n, 8), the leaves taken) of the tree made eight wide.
 
-
-@njit
-def _partition(order, low, high, centre, first, last):
-    """Reorder order[first:last] about the best split and return where it lies."""
-    best, best_axis, best_bin = np.inf, -1, 0
-    for axis in range(3):
-        start, extent = _spread(order, centre, axis, first, last)
-        if extent <= 0.0:
-            continue
-        cost, at = _best_bin(order, low, high, centre, axis, start, extent, first, last)
-        if cost < best:
-            best, best_axis, best_bin = cost, axis, at
-    if best_axis < 0:
-        return (first + last) // 2 if last - first > 4 * LEAF else first
-    start, extent = _spread(order, centre, best_axis, first, last)
-    i, j = first, last - 1
-    while i <= j:
-        if _bin(centre[order[i], best_axis], start, extent) <= best_bin:
-            i += 1
-        else:
-            order[i], order[j] = order[j], order[i]
-            j -= 1
-    return i
-
-
-@njit
-def _spread(order, centre, axis, first, last):
-    """Return lowest value and range of the centres along an axis."""
-    start, end = np.inf, -np.inf
-    for i in range(first, last):
-        start = min(start, centre[order[i], axis])
-        end = max(end, centre[order[i], axis])
-    return start, end - start
-
-
-@njit
-def _bin(value, start, extent):
-    return min(_BINS - 1, int((value - start) / extent * _BINS))
-
-
-@njit
-def _best_bin(order, low, high, centre, axis, start, extent, first, last):
-    """Return (cost, bin) of the cheapest split along an axis."""
-    number = np.zeros(_BINS)
-    bounds = np.empty((_BINS, 6))
-    bounds[:, :3] = np.inf
-    bounds[:, 3:] = -np.inf
-    for i in range(first, last):
-        t = order[i]
-        b = _bin(centre[t, axis], start, extent)
-        number[b] += 1
-        for d in range(3):
-            bounds[b, d] = min(bounds[b, d], low[t, d])
-            bounds[b, 3 + d] = max(bounds[b, 3 + d], high[t, d])
-    best, at = np.inf, 0
-    for split in range(_BINS - 1):
-        cost = 0.0
-        filled = True
-        for begin, end in ((0, split + 1), (split + 1, _BINS)):
-            total = number[begin:end].sum()
-            if total == 0:
-                filled = False
+    The child with the largest surface is replaced by its two children until there are eight.
+    """
+    wide = np.empty((len(box) + 1, 6, LANES))
+    child = np.zeros((len(box) + 1, LANES), np.int64)
+    leaves = np.empty(len(box), np.int64)
+    used, taken = 1, 0
+    todo = [(0, 0)]
+    members = np.empty(LANES, np.int64)
+    while len(todo) > 0:
+        node, number = todo.pop()
+        members[0] = node
+        count = 1
+        while count < LANES:
+            best, widest = -1, -1.0
+            for i in range(count):
+                b = box[members[i]]
+                x, y, z = b[3] - b[0], b[4] - b[1], b[5] - b[2]
+                if leaf[members[i], 1] == 0 and x * y + y * z + z * x > widest:
+                    best, widest = i, x * y + y * z + z * x
+            if best < 0:
                 break
-            a = bounds[begin:end, 3].max() - bounds[begin:end, 0].min()
-            b = bounds[begin:end, 4].max() - bounds[begin:end, 1].min()
-            c = bounds[begin:end, 5].max() - bounds[begin:end, 2].min()
-            cost += math.ceil(total / LEAF) * (a * b + b * c + c * a)
-        if filled and cost < best:
-            best, at = cost, split
-    return best, at
+            first = members[best] + 1
+            members[best] = first
+            members[count] = skip[first]
+            count += 1
+        for i in range(LANES):
+            for row in range(6):
+                empty = np.inf if row < 3 else -np.inf
+                wide[number, row, i] = box[members[i], row] if i < count else empty
+            if i >= count:
+                continue
+            if leaf[members[i], 1] > 0:
+                child[number, i] = -1 - taken
+                leaves[taken] = members[i]
+                taken += 1
+            else:
+                child[number, i] = used
+                todo.append((members[i], used))
+                used += 1
+    return wide[:used].copy(), child[:used].copy(), leaves[:taken].copy()

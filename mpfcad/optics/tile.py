@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.bvh import Bvh, build_bvh, bvh_hit
+from mpfcad.optics.bvh import Bvh, bvh_hit
+from mpfcad.optics.bvh_build import build_bvh
 from mpfcad.optics.chain import Chain, build_chain, chain_of
 from mpfcad.optics.chain_walk import chain_hit
 from mpfcad.optics.grid import Grid, grid_hit
