@@ -8,6 +8,8 @@ its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval). 
 on the curve's shape, which is known only as well as the fit: each draw has a shape of its own.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
@@ -33,21 +35,71 @@ def contrast_of_harmonics(
     """
     fine = _POINTS_A_HARMONIC * fit.harmonics
     position = np.arange(fine) / fine if points is None else np.linspace(0, 1, points)
-    at = basis(position, fit.harmonics)
-    curve = at @ fit.coefficient
+    reader = _Reader.of(fit, position)
     rng = np.random.Generator(np.random.Philox(seed))
     root = np.linalg.cholesky(fit.covariance)
     noise, other = (rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T for _ in range(2))
     # What the reading's error is known to: that of the difference of its two ends.
-    freedom = fit.freedom(at[np.argmax(curve)] - at[np.argmin(curve)])
-    noise *= wobble(rng, _DRAWS, freedom)
-    shape = np.zeros_like(other)
+    high, low = reader.places(fit.coefficient[None])[:, 0]
+    noise *= wobble(rng, _DRAWS, fit.freedom(high - low))
+    shape = _plausible_shapes(fit, other, rng)
+    curve = shape @ reader.at.T
+    ends = curve.max(axis=1), curve.min(axis=1)
+    level = np.zeros_like(fit.coefficient)
+    level[0] = fit.coefficient[0]
+    return _unbiased(reader.contrast, fit.coefficient, level, shape, ends, noise)
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    """Reads curves' contrast off their coefficients.
+
+    Attributes
+    ----------
+    at
+        (k, 1+2h) float64, the basis at the places where a curve is read
+    variance
+        (h,) float64 [cd²/m⁴], of the noise in a coefficient of each harmonic
+    """
+
+    at: NDArray[np.float64]
+    variance: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, fit: HarmonicFit, position: NDArray[np.float64]) -> "_Reader":
+        """Return the reader of curves with a fit's noise at positions in pitches."""
+        variance = np.diag(fit.covariance)[1:].reshape(-1, 2).mean(axis=1)
+        return cls(basis(position, fit.harmonics), variance)
+
+    def places(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the basis where curves (n, 1+2h) are highest and lowest, (2, n, 1+2h).
+
+        These are places of the curves with each harmonic shrunk by the noise in it, for the highest
+        place of the curves themselves is one of high noise too.
+        """
+        pair = coefficient[:, 1:].reshape(len(coefficient), -1, 2)
+        power = np.einsum("nhk,nhk->nh", pair, pair) / self.variance
+        kept = np.repeat(1 - _mean_share(power), 2, axis=1)
+        shrunk = (coefficient[:, 1:] * kept) @ self.at[:, 1:].T
+        return self.at[[shrunk.argmax(axis=1), shrunk.argmin(axis=1)]]
+
+    def contrast(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the contrast between those places of curves (n, 1+2h), (n,)."""
+        high, low = np.einsum("enh,nh->en", self.places(coefficient), coefficient)
+        return (high - low) / (high + low)
+
+
+def _plausible_shapes(
+    fit: HarmonicFit, noise: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return coefficients that the fitted ones may stand for, (draws, 1+2h), without the mean."""
+    shape = np.zeros_like(noise)
     for first in range(1, len(fit.coefficient), 2):
         pair = slice(first, first + 2)
-        read = fit.coefficient[pair]
-        power = read @ np.linalg.solve(fit.covariance[pair, pair], read)
-        shape[:, pair] = _plausible(read, power, other[:, pair], rng)
-    return _unbiased(curve, at @ shape.T, at @ noise.T)
+        seen = fit.coefficient[pair]
+        power = seen @ np.linalg.solve(fit.covariance[pair, pair], seen)
+        shape[:, pair] = _plausible(seen, power, noise[:, pair], rng)
+    return shape
 
 
 def contrast_of_points(
@@ -71,7 +123,10 @@ def contrast_of_points(
     ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
     noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
     power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
-    return _unbiased(luminance, _plausible(shape, power, other, rng).T, noise.T)
+    shapes = _plausible(shape, power, other, rng)
+    ends = shapes.max(axis=1), shapes.min(axis=1)
+    level = np.full(len(luminance), luminance.mean())
+    return _unbiased(_contrast, luminance, level, shapes, ends, noise)
 
 
 def _plausible(
@@ -95,35 +150,44 @@ def _plausible(
     return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
 
 
-def _unbiased(
-    curve: NDArray[np.float64], shape: NDArray[np.float64], noise: NDArray[np.float64]
-) -> Estimate:
-    """Return the true contrasts of which, with noise, that of `curve` is read.
+def _mean_share(power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean of κ of `_plausible` for pairs of such a power."""
+    s = np.maximum(power / 2, 1e-3)
+    left = np.exp(-s)
+    return (2 - (s * s + 2 * s + 2) * left) / (s * (1 - (1 + s) * left))
 
-    curve: (n,) [cd/m²]; shape, noise: (n, draws) [cd/m²].
+
+def _unbiased(
+    read: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    seen: NDArray[np.float64],
+    level: NDArray[np.float64],
+    shape: NDArray[np.float64],
+    ends: tuple[NDArray[np.float64], NDArray[np.float64]],
+    noise: NDArray[np.float64],
+) -> Estimate:
+    """Return the true contrasts of which, with noise, that of `seen` is read.
+
+    read: from (n, m) to contrasts (n,); seen: (m,) [cd/m²]; level: (m,), the same without any
+    contrast; shape, noise: (draws, m); ends: (draws,), each shape's highest and lowest [cd/m²].
     """
-    read, mean = float(np.ptp(curve) / (curve.max() + curve.min())), curve.mean()
-    shape = shape - shape.mean(axis=0)
-    top, bottom = shape.max(axis=0), shape.min(axis=0)
-    noisy = np.empty_like(shape)
+    value, mean = float(read(seen[None])[0]), level[0]
+    (top, bottom), noise = ends, level + noise
 
     def readings(contrast: float) -> NDArray[np.float64]:
         """Return what the draws read, each about its shape with a true contrast, (draws,)."""
-        factor = 2 * contrast * mean / ((top - bottom) - contrast * (top + bottom))
-        np.multiply(shape, factor, out=noisy)
-        np.add(noisy, noise, out=noisy)
-        high, low = noisy.max(axis=0), noisy.min(axis=0)
-        return (high - low) / (high + low + 2 * mean)
+        # At few places a shape can lie above its mean at all of them.
+        span = np.maximum((top - bottom) - contrast * (top + bottom), 0.1 * (top - bottom))
+        return read((2 * contrast * mean / span)[:, None] * shape + noise)
 
     # A curve read flatter than most flat ones are would get an interval the shorter, the luckier
     # the reading, down to [0, 0]: it gets that of the median flat one (Cowan, Cranmer, Gross and
     # Vitells, "Power-constrained limits", 2011).
-    read = max(read, float(np.median(readings(0.0))))
+    value = max(value, float(np.median(readings(0.0))))
     # The share of draws that read less than seen falls with the true contrast, as a normal
     # distribution does nearly: straight in its quantiles, so a coarse grid is enough.
-    spread = float(np.std(readings(read)))
-    grid = np.linspace(max(0.0, read - 6 * spread), min(1.0, read + 6 * spread), _GRID)
-    below = np.array([np.mean(readings(c) < read) for c in grid])
+    spread = float(np.std(readings(value)))
+    grid = np.linspace(max(0.0, value - 6 * spread), min(1.0, value + 6 * spread), _GRID)
+    below = np.array([np.mean(readings(c) < value) for c in grid])
     below = np.clip(np.minimum.accumulate(below), 0.5 / _DRAWS, 1 - 0.5 / _DRAWS)
     quantile = [-_NORMAL.inv_cdf(s) for s in below]
 
@@ -131,3 +195,9 @@ def _unbiased(
         return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
 
     return Estimate.within(*(contrast_where(q) for q in (0.5, 1 - TAIL, TAIL)))
+
+
+def _contrast(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (max - min)/(max + min) over the last axis."""
+    high, low = curve.max(axis=-1), curve.min(axis=-1)
+    return (high - low) / (high + low)
