@@ -99,7 +99,8 @@ def held_by(estimates, truth):
         # one side only, as often as 2.5 % of the readings are too high.
         (uniform, MPF, 20.0, 0.95, 0.985),
         (plain, BEF, 20.0, 0.95, 0.985),
-        (patterned, MPF, 20.0, 0.95, 0.985),
+        # As large as the noise: between the two.
+        (patterned, MPF, 20.0, 0.93, 0.985),
         # Clearly curved: both sides.
         (uniform, MPF, 14.0, 0.93, 0.97),
         (plain, BEF, 12.0, 0.93, 0.97),
