@@ -4,7 +4,6 @@ import time
 
 import numpy as np
 
-
 #: The threads of a tracer that has just ended look for work for some 20 ms more [s].
 _REST = 0.2
 

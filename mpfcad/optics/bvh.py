@@ -9,15 +9,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from mpfcad.optics.bvh_walk import closest_facet
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES, any_of, bits, lowest_bit, select, spread
-from mpfcad.optics.lanes_array import load, local_floats, local_wholes, store
-from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, on_edge, turned
-
-_STACK = 256
+from mpfcad.optics.triangle import BEHIND
 
 
 class Bvh(NamedTuple):
@@ -45,126 +41,6 @@ class Bvh(NamedTuple):
     corner: NDArray[np.float64]
     facet: NDArray[np.int32]
     normal: NDArray[np.float64]
-
-
-@kernel
-def _inverse(component):
-    return 1.0 / component if component != 0.0 else math.inf
-
-
-@kernel
-def _slab(near, far, box, first, last, origin, inverse):
-    """Narrow [near, far] to the boxes' slabs; a NaN (ray in a face) counts as inside."""
-    first, last = (load(box, first) - origin) * inverse, (load(box, last) - origin) * inverse
-    return select(first > near, first, near), select(last < far, last, far)
-
-
-@kernel
-def _corner(bvh, row, ray, axes):
-    """Return a corner of eight facets, relative to a ray's start and turned."""
-    return (
-        load(bvh.corner, row + axes[0]) - ray[0],
-        load(bvh.corner, row + axes[1]) - ray[1],
-        load(bvh.corner, row + axes[2]) - ray[2],
-    )
-
-
-@kernel
-def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
-    """Return (facet or -1, distance) of the first facet up to `farthest` that faces `side`.
-
-    A facet over which the ray starts by no more than the rounding of its start, `slack` [mm], is
-    met at distance 0.
-    """
-    aim = aim_at(dx, dy, dz, side)
-    axes = turned(aim.by_x, aim.by_y, 0, 1, 2)
-    start = turned(aim.by_x, aim.by_y, ox, oy, oz)
-    ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
-    # Rows of the faces by which the ray comes into a box, and of those by which it leaves.
-    x_in, y_in, z_in = 0 if ix > 0.0 else 3, 1 if iy > 0.0 else 4, 2 if iz > 0.0 else 5
-    x_out, y_out, z_out = 3 - x_in, 5 - y_in, 7 - z_in
-    behind = -BEHIND * slack
-    node_of = local_wholes(_STACK)
-    near_of = local_floats(_STACK)
-    lane = local_floats(LANES)
-    best = farthest
-    found = -1
-    node, depth = 0, 0
-    while True:
-        if node < 0:
-            number = -1 - node
-            a = _corner(bvh, 9 * number, start, axes)
-            b = _corner(bvh, 9 * number + 3, start, axes)
-            c = _corner(bvh, 9 * number + 6, start, axes)
-            met, beyond, distance = facet_distance(aim, a, b, c, slack)
-            met = met & (distance >= behind) & (distance <= best)
-            if any_of(met & beyond):
-                met = met & ((beyond ^ True) | on_edge(aim, a, b, c, slack))
-            mask = bits(met)
-            if mask:
-                store(lane, 0, distance)
-            while mask:
-                i = lowest_bit(mask)
-                mask &= mask - 1
-                facet = bvh.facet[number, i]
-                reach = lane[i]
-                if reach < 0.0:
-                    n = bvh.normal[facet]
-                    row = 9 * number
-                    px, py = bvh.corner[row, i] - ox, bvh.corner[row + 1, i] - oy
-                    pz = bvh.corner[row + 2, i] - oz
-                    # By its plane: of a sliver the distance is known to far less than its height.
-                    if side * (n[0] * px + n[1] * py + n[2] * pz) < -slack:
-                        continue
-                    reach = 0.0
-                # Of facets at one distance, the first in the mesh: whatever the tree.
-                if reach < best or (reach == best and (found < 0 or facet < found)):
-                    best, found = reach, facet
-        else:
-            box = 6 * node
-            near, far = spread(behind), spread(best)
-            near, far = _slab(near, far, bvh.box, box + x_in, box + x_out, ox, ix)
-            near, far = _slab(near, far, bvh.box, box + y_in, box + y_out, oy, iy)
-            near, far = _slab(near, far, bvh.box, box + z_in, box + z_out, oz, iz)
-            mask = bits(near <= far)
-            if mask:
-                first = lowest_bit(mask)
-                mask &= mask - 1
-                if mask == 0:
-                    node = bvh.child[node, first]
-                    continue
-                store(lane, 0, near)
-                node_of[depth], near_of[depth] = bvh.child[node, first], lane[first]
-                bottom = depth
-                depth += 1
-                while mask:
-                    i = lowest_bit(mask)
-                    mask &= mask - 1
-                    # The nearest lies on top of the stack.
-                    entry = lane[i]
-                    k = depth
-                    while k > bottom and near_of[k - 1] < entry:
-                        near_of[k], node_of[k] = near_of[k - 1], node_of[k - 1]
-                        k -= 1
-                    near_of[k], node_of[k] = entry, bvh.child[node, i]
-                    depth += 1
-        while depth > 0 and near_of[depth - 1] > best:
-            depth -= 1
-        if depth == 0:
-            return found, best
-        depth -= 1
-        node = node_of[depth]
-
-
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def closest_facets(bvh, origin, direction, found):
-    """Put the first facet that each ray leaves through, or -1, into found (n,) int64.
-
-    origin, direction: (n, 3) float64 [mm], unit.
-    """
-    for i in range(len(found)):
-        o, d = origin[i], direction[i]
-        found[i], _ = closest_facet(bvh, o[0], o[1], o[2], d[0], d[1], d[2], 1.0, 0.0, math.inf)
 
 
 @kernel

@@ -16,8 +16,8 @@ from harness import (
 from numba import njit
 
 from mpfcad.optics import lanes, lanes_array
-from mpfcad.optics.bvh import closest_facets
 from mpfcad.optics.bvh_build import build_bvh
+from mpfcad.optics.bvh_walk import closest_facets
 from mpfcad.optics.element import Film
 from mpfcad.optics.film_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.fresnel import fresnel
