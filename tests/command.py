@@ -1,4 +1,4 @@
-"""What the tests of the command line share: a run in a process of its own, a folder's bytes."""
+"""What the tests of the command line share: a run in a process of its own, what comes of it."""
 
 import subprocess
 import sys
@@ -14,3 +14,11 @@ def mpfcad(*arguments, cwd, timeout=600):
 def content(folder):
     """Return the bytes of each file by its name."""
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def refused(result, *words):
+    """Assert that a run ended with code 2 and one line that holds all these words."""
+    assert result.returncode == 2, result.stderr
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
+    for word in words:
+        assert word in line
