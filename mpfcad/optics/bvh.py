@@ -5,7 +5,6 @@ Nodes have up to eight children and leaves up to eight triangles; both are teste
 first. The film repeats as a tile: a ray that leaves one side comes back in at the opposite one.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.bvh_walk import closest_facet
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.triangle import BEHIND
+from mpfcad.optics.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone, ways_out
 
 
 class Bvh(NamedTuple):
@@ -51,55 +50,21 @@ def bvh_hit(bvh, size, low, high, x, y, z, dx, dy, dz, inside):
     highest z of the facets. Shifts [mm] lead back to the coordinates before; facet -1: the ray
     leaves these heights without a hit; -2: it never does.
     """
-    width, length = size
-    slack = 16 * 2.3e-16 * max(width, length, high)
     side = 1.0 if inside else -1.0
-    shift_x = 0.0
-    shift_y = 0.0
-    upward = dz > 0.0
-    # Free flight up (or down) to the zone of the top.
-    free = (low - z) / dz if inside and upward and z < low else 0.0
-    if not inside and not upward and z > high:
-        free = (high - z) / dz
-    x += free * dx
-    y += free * dy
-    z += free * dz
-    for _ in range(1_000_000):
-        turn_x = math.floor(x / width) if not 0.0 <= x <= width else 0.0
-        turn_y = math.floor(y / length) if not 0.0 <= y <= length else 0.0
-        x -= turn_x * width
-        y -= turn_y * length
-        shift_x += turn_x * width
-        shift_y += turn_y * length
-        to_x = ((width if dx > 0.0 else 0.0) - x) / dx if dx != 0.0 else math.inf
-        to_y = ((length if dy > 0.0 else 0.0) - y) / dy if dy != 0.0 else math.inf
-        edge = max(0.0, min(to_x, to_y))
-        # Leaving zone and tile is known to the rounding over the slope: much, for a grazing ray.
-        leave = math.inf
-        if dz != 0.0:
-            leave = ((high if upward else low) - z) / dz + slack / abs(dz)
-        beyond = math.inf
-        if dx != 0.0:
-            beyond = to_x + slack / abs(dx)
-        if dy != 0.0:
-            beyond = min(beyond, to_y + slack / abs(dy))
-        # Of a sliver the distance is known to less than the rounding of places.
-        reach = min(beyond, leave) + BEHIND * slack
+    slack = rounding(size, high)
+    x, y, z = to_zone(low, high, x, y, z, dx, dy, dz, inside, True)
+    shift_x, shift_y = 0.0, 0.0
+    for _ in range(MOST_TILES):
+        turn_x, turn_y = into_tile(size[0], x), into_tile(size[1], y)
+        x, y = x - turn_x, y - turn_y
+        shift_x, shift_y = shift_x + turn_x, shift_y + turn_y
+        to_x, to_y, edge, leave, reach = ways_out(size, low, high, x, y, z, dx, dy, dz)
         facet, distance = closest_facet(bvh, x, y, z, dx, dy, dz, side, slack, reach)
-        if facet >= 0:
-            x, y, z = x + distance * dx, y + distance * dy, z + distance * dz
+        ways = to_x, to_y, edge, leave
+        met, turning, x, y, z, turn_x, turn_y = arrive(
+            size, ways, facet >= 0, distance, x, y, z, dx, dy, dz, True
+        )
+        shift_x, shift_y = shift_x + turn_x, shift_y + turn_y
+        if met or not turning:
             return facet, x, y, z, shift_x, shift_y
-        # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
-        if leave < edge:
-            return -1, x, y, z, shift_x, shift_y
-        x += edge * dx
-        y += edge * dy
-        z += edge * dz
-        # Exactly onto the opposite side of the tile.
-        if to_x <= edge:
-            x = 0.0 if dx > 0.0 else width
-            shift_x += width if dx > 0.0 else -width
-        if to_y <= edge:
-            y = 0.0 if dy > 0.0 else length
-            shift_y += length if dy > 0.0 else -length
     return -2, x, y, z, shift_x, shift_y

@@ -4,7 +4,7 @@ Each cell lists the facets over it and their z range. Facets commonly end on the
 cells, to the rounding of their corners: so a facet is listed only where it reaches more than
 `MARGIN` of a cell over a line, and a ray visits all cells that it comes as near to. Which facet is
 met is decided by the formula of `triangle` alone: the least distance, and among equals the least
-number, as in `bvh`. All but `grid_hit` takes one ray or eight (`lanes`).
+number, as in `bvh`.
 """
 
 from typing import NamedTuple
@@ -12,13 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.grid_walk import rounding, start_walk, walk_on
+from mpfcad.optics.grid_walk import start_walk, walk_on
 from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import floor, select
 from mpfcad.optics.lanes_array import gather_row
-
-#: Tiles after which a ray counts as lost.
-MOST_TILES = 1_000_000
+from mpfcad.optics.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone
 
 
 class Grid(NamedTuple):
@@ -46,48 +43,6 @@ class Grid(NamedTuple):
 
 
 @kernel
-def to_zone(low, high, x, y, z, dx, dy, dz, inside, fresh):
-    """Return the point at which a fresh ray comes to the zone of the top, low…high [mm]."""
-    upward = dz > 0.0
-    below, above = inside & upward & (z < low), ((inside | upward) ^ True) & (z > high)
-    free = select(below, (low - z) / dz, select(above, (high - z) / dz, 0.0))
-    free = select(fresh & (below | above), free, 0.0)
-    return x + free * dx, y + free * dy, z + free * dz
-
-
-@kernel
-def into_tile(extent, at):
-    """Return what to take from a coordinate so that it lies in the tile [mm]."""
-    return select((at >= 0.0) & (at <= extent), 0.0, floor(at / extent)) * extent
-
-
-@kernel
-def arrive(size, walk, x, y, z, dx, dy, dz, done):
-    """Return (met, turning, x, y, z, shift x, shift y) of the rays whose walk is done.
-
-    Those that met a facet are put there, and those that turn into the next tile on its side; the
-    others leave the zone of the top. Shifts [mm] lead back to the coordinates before.
-    """
-    width, length = size
-    met = done & (walk.place >= 0)
-    # A ray that leaves zone and tile at once may still meet the neighbour's facets there.
-    turning = done & ((walk.leave < walk.edge) ^ True) & (met ^ True)
-    flight = select(met, walk.best, walk.edge)
-    moved = met | turning
-    x = select(moved, x + flight * dx, x)
-    y = select(moved, y + flight * dy, y)
-    z = select(moved, z + flight * dz, z)
-    # Exactly onto the opposite side of the tile.
-    over = turning & (walk.to_x <= walk.edge)
-    x = select(over, select(dx > 0.0, 0.0, width), x)
-    shift_x = select(over, select(dx > 0.0, width, -width), 0.0)
-    over = turning & (walk.to_y <= walk.edge)
-    y = select(over, select(dy > 0.0, 0.0, length), y)
-    shift_y = select(over, select(dy > 0.0, length, -length), 0.0)
-    return met, turning, x, y, z, shift_x, shift_y
-
-
-@kernel
 def grid_hit(grid, size, low, high, x, y, z, dx, dy, dz, inside):
     """Return the next facet a ray meets: (place or -1, x, y, z, shift x, shift y, normal).
 
@@ -108,7 +63,10 @@ def grid_hit(grid, size, low, high, x, y, z, dx, dy, dz, inside):
         walking = True
         while walking:
             walk, walking = walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking)
-        met, turning, x, y, z, turn_x, turn_y = arrive(size, walk, x, y, z, dx, dy, dz, True)
+        ways = walk.to_x, walk.to_y, walk.edge, walk.leave
+        met, turning, x, y, z, turn_x, turn_y = arrive(
+            size, ways, walk.place >= 0, walk.best, x, y, z, dx, dy, dz, True
+        )
         shift_x, shift_y = shift_x + turn_x, shift_y + turn_y
         if met:
             _, nx, ny, nz = gather_row(grid.corner, walk.place * 3 + 2)

@@ -11,8 +11,7 @@ from numba import uint64
 
 from mpfcad.optics.film import unit
 from mpfcad.optics.fresnel import fresnel
-from mpfcad.optics.grid import MOST_TILES, arrive, into_tile, to_zone
-from mpfcad.optics.grid_walk import choose, no_walk, rounding, start_walk, walk_on
+from mpfcad.optics.grid_walk import choose, no_walk, start_walk, walk_on
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import (
     LANES,
@@ -35,6 +34,7 @@ from mpfcad.optics.sampling import (
     STREAM,
 )
 from mpfcad.optics.sampling_lanes import next_two, take
+from mpfcad.optics.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone
 
 # Columns of a ray's place and first rows of the lanes' scratch.
 X, Y, Z, DX, DY, DZ = range(6)
@@ -87,8 +87,9 @@ def grid_passages(tile, index, index_below, offset, rays, place, up, way, rng):
                 walk, walking = walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking)
             done = live & (walking ^ True)
             arrived = done & (state == _ON_WAY)
+            ways = walk.to_x, walk.to_y, walk.edge, walk.leave
             met, turning, x, y, z, shift_x, shift_y = arrive(
-                size, walk, x, y, z, dx, dy, dz, arrived
+                size, ways, walk.place >= 0, walk.best, x, y, z, dx, dy, dz, arrived
             )
             # Past the last facet: flight to the top of the film, or to its underside.
             free = arrived & ((met | turning) ^ True)

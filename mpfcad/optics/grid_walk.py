@@ -9,6 +9,7 @@ from typing import NamedTuple
 from mpfcad.optics.kernel import kernel
 from mpfcad.optics.lanes import any_of, copy_sign, floor, magnitude, select, whole
 from mpfcad.optics.lanes_array import gather, gather_row
+from mpfcad.optics.tiling import ways_out
 from mpfcad.optics.triangle import BEHIND, aim_at, facet_distance, on_edge, turned
 
 #: How far [cells] a facet may reach over a line unlisted; a ray's reach is wider by its rounding.
@@ -81,21 +82,7 @@ def start_walk(grid, size, low, high, x, y, z, dx, dy, dz):
     """Return the walk of a ray from (x, y, z) [mm] in the tile, through the zone low…high."""
     width, length = size
     nx, ny = float(grid.count[0]), float(grid.count[1])
-    slack = rounding(size, high)
-    to_x = (select(dx > 0.0, width, 0.0) - x) / dx
-    to_x = select(magnitude(dx) > 0.0, to_x, float("inf"))
-    to_y = (select(dy > 0.0, length, 0.0) - y) / dy
-    to_y = select(magnitude(dy) > 0.0, to_y, float("inf"))
-    edge = select(to_x < to_y, to_x, to_y)
-    edge = select(edge > 0.0, edge, 0.0)
-    # Leaving the zone is known to the rounding of z over the slope: much, for a grazing ray.
-    leave = (select(dz > 0.0, high, low) - z) / dz + slack / magnitude(dz)
-    leave = select(magnitude(dz) > 0.0, leave, float("inf"))
-    # And leaving the tile.
-    beyond_x = to_x + select(magnitude(dx) > 0.0, slack / magnitude(dx), 0.0)
-    beyond_y = to_y + select(magnitude(dy) > 0.0, slack / magnitude(dy), 0.0)
-    best = select(beyond_x < beyond_y, beyond_x, beyond_y)
-    best = select(best < leave, best, leave) + BEHIND * slack
+    to_x, to_y, edge, leave, best = ways_out(size, low, high, x, y, z, dx, dy, dz)
     p, q = x * (nx / width), y * (ny / length)
     # A speed of -0 is 0: it has no sign to step by.
     speed_p, speed_q = dx * (nx / width) + 0.0, dy * (ny / length) + 0.0
@@ -207,9 +194,3 @@ def walk_on(grid, walk, x, y, z, dx, dy, dz, side, slack, walking):
             select(fresh, low, walk.low), select(fresh, high, walk.high),
         )  # fmt: skip
     return walk, walking & (ended ^ True)
-
-
-@kernel
-def rounding(size, high):
-    """Return the rounding [mm] of coordinates in the tile."""
-    return 16 * 2.3e-16 * max(size[0], size[1], high)
