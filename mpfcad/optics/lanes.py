@@ -113,25 +113,28 @@ def _call(builder, name: str, result, arguments):
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), arguments)
 
 
-def _mathematical(name: str):
-    """Return a function of LLVM, correctly rounded, for a number or eight."""
+def _of_llvm(name: str, lanes: Lanes, scalar: types.Type):
+    """Return a function of LLVM, exact or correctly rounded, for a number or eight."""
+    letter = "f" if lanes == F8 else "i"
 
     @intrinsic
     def function(typingctx, x):
-        kind = F8 if x == F8 else types.float64
+        kind = lanes if x == lanes else scalar
 
         def lower(context, builder, sig, args):
-            suffix = "v8f64" if kind == F8 else "f64"
-            return _call(builder, f"llvm.{name}.{suffix}", args[0].type, [args[0]])
+            many = "v8" if kind == lanes else ""
+            return _call(builder, f"llvm.{name}.{many}{letter}64", args[0].type, [args[0]])
 
         return kind(kind), lower
 
     return function
 
 
-root = _mathematical("sqrt")
-floor = _mathematical("floor")
-magnitude = _mathematical("fabs")
+root = _of_llvm("sqrt", F8, types.float64)
+floor = _of_llvm("floor", F8, types.float64)
+magnitude = _of_llvm("fabs", F8, types.float64)
+#: The 64 bits of a whole number in reverse order.
+reversed_bits = _of_llvm("bitreverse", I8, types.uint64)
 
 
 @intrinsic
@@ -226,18 +229,6 @@ def any_of(typingctx, mask):
         return builder.icmp_unsigned("!=", packed, packed.type(0))
 
     return types.boolean(mask), lower
-
-
-@intrinsic
-def reversed_bits(typingctx, x):
-    """Return the 64 bits of a whole number, or of eight, in reverse order."""
-    kind = I8 if x == I8 else types.uint64
-
-    def lower(context, builder, sig, args):
-        suffix = "v8i64" if kind == I8 else "i64"
-        return _call(builder, f"llvm.bitreverse.{suffix}", args[0].type, [args[0]])
-
-    return kind(kind), lower
 
 
 def _convert(emit, source: Lanes, result: Lanes):

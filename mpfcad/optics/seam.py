@@ -23,14 +23,15 @@ def with_seam(
     """
     size = np.array([width, length])
     low, high = corner[:, :, :2].min(axis=1), corner[:, :, :2].max(axis=1)
-    corners, numbers = [corner], [np.arange(len(corner))]
+    corners, numbers = [], []
+    # Without a turn, which comes first, all facets are on the tile.
     for turn in itertools.product((0, 1, -1), repeat=2):
         shift = turn * size
         meets = (low + shift <= size * (1 + _ON)) & (high + shift >= -size * _ON)
-        beyond = np.flatnonzero(meets.all(axis=1)) if any(turn) else []
-        corners.append(corner[beyond] + [*shift, 0.0])
-        numbers.append(beyond)
-    return np.concatenate(corners), np.concatenate(numbers).astype(np.int64)
+        number = np.flatnonzero(meets.all(axis=1))
+        corners.append(corner[number] + [*shift, 0.0])
+        numbers.append(number)
+    return np.concatenate(corners), np.concatenate(numbers)
 
 
 def facet_normals(corner: NDArray[np.float64]) -> NDArray[np.float64]:
