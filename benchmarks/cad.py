@@ -86,9 +86,9 @@ def stl(count, folder, curvature=60.0):
 
 
 def cells(side, folder):
-    from mpfcad.cad.cell_mesh import build_cell_mesh
-    from mpfcad.cad.cell_step import write_cell_step
-    from mpfcad.cad.stl import write_mesh
+    from mpfcad.cad.file.stl import write_mesh
+    from mpfcad.cad.shape.cell_mesh import build_cell_mesh
+    from mpfcad.cad.step.cell import write_cell_step
     from mpfcad.film import CellFilm, Groove
     from mpfcad.units import deg
 

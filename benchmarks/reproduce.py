@@ -69,7 +69,7 @@ def trace_patterned(values: str, effort: tuple) -> dict:
     from mpfcad.backlight import read_stack
     from mpfcad.cad import write_stl
     from mpfcad.job import read_job
-    from mpfcad.pipeline.plan import read_plan
+    from mpfcad.pipeline.plan.plan import read_plan
 
     plan = read_plan(read_job(JOB), JOB)
     stack = read_stack(f"{values}-mpf", thickness=plan.stack.thickness)

@@ -20,7 +20,8 @@ def _kernels() -> str:
     text = {p: p.read_bytes() for folder in (package, _HERE) for p in sorted(folder.rglob("*.py"))}
     digest = hashlib.sha256()
     for path, source in text.items():
-        if path.parent == package / "optics" or b"njit" in source or b"optics.kernel" in source:
+        optics = path.is_relative_to(package / "optics")
+        if optics or b"njit" in source or b"optics.base.kernel" in source:
             digest.update(source)
     return digest.hexdigest()[:16]
 

@@ -6,16 +6,16 @@ import numpy as np
 from manifold3d import triangulate
 from numba import njit, uint64
 
-from mpfcad.optics.bsdf import bsdf_passage
+from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
+from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.element import BSDF, SHEET, SLAB
 from mpfcad.optics.engine import trace_paths
-from mpfcad.optics.film import INDEX, INDEX_BELOW, film_passage, placed_film_passage
-from mpfcad.optics.mesh import FilmMesh, read_film_mesh
-from mpfcad.optics.sampling import RNG_SIZE, disk, start_path
+from mpfcad.optics.film.passage import INDEX, INDEX_BELOW, film_passage, placed_film_passage
+from mpfcad.optics.search.tile import build_tile
+from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
-from mpfcad.optics.tile import build_tile
-from mpfcad.optics.tile_table import build_tile_table
+from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.wave import Wave
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025

@@ -24,10 +24,11 @@ FLOOR = {
     "measure": 4,
     "design": 5,
     "export": 6,
-    "report": 6,
-    "job": 7,
-    "pipeline": 8,
-    "cli": 9,
+    "record": 6,
+    "report": 7,
+    "job": 8,
+    "pipeline": 9,
+    "cli": 10,
 }
 #: Rooms that must not see each other although one of them is not above the other.
 APART = {"optics": {"film", "mask", "cad"}, "mask": {"cad"}, "cad": {"mask"}}
@@ -83,9 +84,10 @@ def test_imports_point_down(module):
 
 
 def test_no_cycles():
+    """Deferred imports count too: a cycle that only shows later is a cycle all the same."""
     graph = {}
     for module in MODULES:
-        names = imports_of(module, at_import=True) - {module}
+        names = imports_of(module, at_import=False) - {module}
         # `mpfcad.x` imported from one of its own files only names the folder.
         graph[module] = {name for name in names if not module.startswith(name + ".")}
     list(TopologicalSorter(graph).static_order())

@@ -10,9 +10,9 @@ from mpfcad.backlight import PRISM_FILE, stack_file
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import build_job, read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
-from mpfcad.pipeline.plan import describe_stack, read_plan, restore_stack
+from mpfcad.pipeline.plan.plan import describe_stack, read_plan, restore_stack
 from mpfcad.pipeline.progress import SILENT
-from mpfcad.pipeline.stack_mesh import write_stack_meshes
+from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 
 PARTICLES = {
     "particle_radius_um": 5.0,

@@ -79,9 +79,9 @@ def test_verify_finds_the_same_figures(export):
 
 @pytest.mark.parametrize("name", FILES)
 def test_one_changed_byte_fails_at_once_and_names_the_file(copy, name, capsys, monkeypatch):
-    import mpfcad.pipeline.examine
+    import mpfcad.pipeline.run.examine
 
-    monkeypatch.delattr(mpfcad.pipeline.examine, "examine")
+    monkeypatch.delattr(mpfcad.pipeline.run.examine, "examine")
     path = copy / name
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1

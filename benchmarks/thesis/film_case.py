@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.backlight.lower import lower_stack
 from mpfcad.measure.checkpoint import code_hash
 
 #: Where meshes and finished traces are kept; git ignores it.
@@ -117,11 +118,11 @@ def keep(kind: str, identity: object, make) -> dict:
 
 def _trace(case: Case, stack: Stack, blocks: int, seed: int) -> dict[str, list]:
     from mpfcad.optics.engine import trace
-    from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.solid.mesh import read_film_mesh
     from mpfcad.optics.source import EYE, Source
 
-    scene = build_scene(stack.elements(read_film_mesh(case.mesh())))
+    scene = build_scene(lower_stack(stack, read_film_mesh(case.mesh())))
     position = np.linspace(0, 1, POINTS) * stack.lamp_pitch
     source = Source(EYE, position, stack["meter_spot_mm"], acceptance=stack.acceptance)
     tally = trace(scene, source, blocks, seed=seed)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from mpfcad.report.svg import circle, line, picture, polygon, polyline, rectangle, text
+from mpfcad.report.drawing.svg import circle, line, picture, polygon, polyline, rectangle, text
 from thesis.figure import Figure, Figures
 
 _WIDTH, _HEIGHT = 860, 400

@@ -13,11 +13,11 @@ GROOVES, CELLS = 654, 707
 
 def ours(path, kind, rho=None):
     """Return trace(n, seed) → (mean, standard error, paths) of a film between black halves."""
+    from mpfcad.optics.base.recorder import FLOW_ELEMENTS
     from mpfcad.optics.element import Cavity, Film
     from mpfcad.optics.engine import BLOCK, trace
-    from mpfcad.optics.mesh import read_film_mesh
-    from mpfcad.optics.recorder import FLOW_ELEMENTS
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.solid.mesh import read_film_mesh
     from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
     mesh = read_film_mesh(path)
@@ -98,8 +98,8 @@ def pyramid_rows(folder, quick, present):
     Those are endless, as ours is: else guided light leaves at the sides. Mirrors at the sides of
     the whole field would not do: far out Mitsuba's ray offsets are 1.6 µm.
     """
-    from mpfcad.optics.grid_build import build_grid
-    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.search.grid_build import build_grid
+    from mpfcad.optics.solid.mesh import read_film_mesh
 
     cells = 400 if quick else CELLS
     path = pyramids(folder / "pyramids.stl", cells)

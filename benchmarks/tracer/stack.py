@@ -20,15 +20,16 @@ def stack_rows(folder, quick, present):
     what a given half-width costs: measured for ours at 0.004 or 0.002, and scaled for both.
     """
     from mpfcad.backlight import read_stack
+    from mpfcad.backlight.lower import lower_stack
     from mpfcad.measure import contrast_of_harmonics, fit_harmonics
     from mpfcad.optics.engine import trace
-    from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.solid.mesh import read_film_mesh
     from mpfcad.optics.source import EYE, Source
 
     path = film_file(folder / "panel.stl", [CONCAVE] * (GROOVES * 2 + 40), length=68.0)
     stack = read_stack(STACK)
-    elements = stack.elements(read_film_mesh(path))
+    elements = lower_stack(stack, read_film_mesh(path))
     scene = build_scene(elements)
     position = np.linspace(0, 1, 33)
     source = Source(EYE, position * stack.lamp_pitch, 1.0)
@@ -74,14 +75,15 @@ def thread_rows(folder, quick, present):
     are busy anyway.
     """
     from mpfcad.backlight import read_stack
+    from mpfcad.backlight.lower import lower_stack
     from mpfcad.optics import engine
-    from mpfcad.optics.mesh import read_film_mesh
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.solid.mesh import read_film_mesh
     from mpfcad.optics.source import EYE, Source
 
     path = film_file(folder / "pitch.stl", [CONCAVE] * GROOVES, length=20.0)
     stack = read_stack(STACK)
-    scene = build_scene(stack.elements(read_film_mesh(path)))
+    scene = build_scene(lower_stack(stack, read_film_mesh(path)))
     source = Source(EYE, np.linspace(0, 1, 33) * stack.lamp_pitch, 1.0)
     blocks, kernel, calls = 40 if quick else 160, engine.trace_paths, []
 

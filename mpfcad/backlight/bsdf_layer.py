@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mpfcad.errors import InputError
-from mpfcad.optics.bsdf_file import read_bsdf
-from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.bsdf.file import read_bsdf
+from mpfcad.optics.bsdf.table import BsdfTable
 
 _INTERPOLATION = {"linear": 1.0, "none": 0.0}
 _KEYS = {"kind", "name", "file", "reciprocal", "interpolation", "tag", "source"}

@@ -5,16 +5,18 @@ import numpy as np
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
-from mpfcad.optics.chain import build_chain
+from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
-from mpfcad.optics.mesh import FilmMesh, read_film_mesh
-from mpfcad.optics.panel import Panel
-from mpfcad.optics.resin import Resin
+from mpfcad.optics.film.resin import Resin
+from mpfcad.optics.search.chain import build_chain
+from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.units import deg, um
 
 
-def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float) -> list[Element]:
-    """Return the elements of a stack from the bottom up (`Stack.elements`).
+def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
+    """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
+
+    `offset` [mm] is the x of the film tile's left edge.
 
     Raises
     ------

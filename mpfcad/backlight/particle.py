@@ -93,7 +93,7 @@ def _mie(ratio: float, size: float) -> tuple[float, float]:
 def _quantiles(ratio: float, size: float) -> NDArray[np.float64]:
     import miepython
 
-    from mpfcad.optics.phase import phase_quantiles
+    from mpfcad.optics.base.phase import phase_quantiles
 
     count = max(_LEAST_ANGLES, math.ceil(_ANGLES_PER_SIZE * size))
     cosine = np.cos(np.linspace(math.pi, 0, count + 1))

@@ -14,8 +14,6 @@ from mpfcad.backlight.quantity import (
     Quantity,
     lamp_of,
 )
-from mpfcad.optics.element import Element
-from mpfcad.optics.mesh import FilmMesh
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 EXTENTS = ("pitch", "panel")
@@ -180,20 +178,6 @@ class Stack:
         return numbers + [
             {"name": k, **table.describe_source()} for k, table in self.tables.items()
         ]
-
-    def elements(self, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
-        """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
-
-        `offset` [mm] is the x of the film tile's left edge.
-
-        Raises
-        ------
-        InputError
-            when the mesh of another film, or of the prisms under the resin, cannot be traced.
-        """
-        from mpfcad.backlight.lower import lower_stack
-
-        return lower_stack(self, mesh, offset)
 
 
 def stack_file(layer: str) -> str:

@@ -10,15 +10,15 @@ the surface. Lengths are mm, x across the grooves, y along them, z up, one corne
 OCCT, trimesh, manifold3d and lib3mf are loaded only when used.
 """
 
-from mpfcad.cad.agreement import Agreement, check_agreement
-from mpfcad.cad.mesh_check import MeshCheck
-from mpfcad.cad.mesh_file_check import BodyCheck, check_3mf, check_ply
-from mpfcad.cad.ply import write_ply
-from mpfcad.cad.step import write_step
-from mpfcad.cad.step_check import StepCheck, check_step
-from mpfcad.cad.stl import write_stl
-from mpfcad.cad.stl_check import check_stl
-from mpfcad.cad.threemf import write_3mf
+from mpfcad.cad.check.agreement import Agreement, check_agreement
+from mpfcad.cad.check.grooves import check_stl
+from mpfcad.cad.check.mesh_check import MeshCheck
+from mpfcad.cad.check.mesh_file_check import BodyCheck, check_3mf, check_ply
+from mpfcad.cad.check.step import StepCheck, check_step
+from mpfcad.cad.file.ply import write_ply
+from mpfcad.cad.file.stl import write_stl
+from mpfcad.cad.file.threemf import write_3mf
+from mpfcad.cad.step.grooves import write_step
 
 __all__ = [
     "Agreement",

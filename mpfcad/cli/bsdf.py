@@ -10,9 +10,9 @@ from mpfcad.cli.option import Json, Seed, Threads
 
 if TYPE_CHECKING:
     from mpfcad.cli.terminal import Terminal
-    from mpfcad.optics.bsdf_basis import AngleBasis
+    from mpfcad.optics.bsdf.basis import AngleBasis
+    from mpfcad.optics.bsdf.table import BsdfTable
     from mpfcad.optics.bsdf_film import FilmBsdf
-    from mpfcad.optics.bsdf_table import BsdfTable
 
 _MOST_RINGS = 30
 
@@ -60,8 +60,8 @@ def command(
     """Make the BSDF table of a film mesh, or check and convert a table."""
     from mpfcad.cli.option import formats
     from mpfcad.errors import InputError
-    from mpfcad.optics.bsdf_file import FORMATS, bsdf_texts, read_bsdf, write_texts
-    from mpfcad.optics.bsdf_rebin import rebin
+    from mpfcad.optics.bsdf.file import FORMATS, bsdf_texts, read_bsdf, write_texts
+    from mpfcad.optics.bsdf.rebin import rebin
 
     of_mesh = files[0].suffix.lower() == ".stl"
     if of_mesh and len(files) > 1:
@@ -80,7 +80,7 @@ def command(
     for form in chosen:
         texts |= bsdf_texts(table, stem, form)
     if page:
-        from mpfcad.report.bsdf_page import bsdf_page
+        from mpfcad.report.page.bsdf_page import bsdf_page
 
         texts[f"{stem}-bsdf.html"] = bsdf_page(table)
     folder = out or Path()
@@ -98,7 +98,7 @@ def command(
 
 def _basis(name: str) -> "AngleBasis":
     from mpfcad.errors import InputError
-    from mpfcad.optics.bsdf_basis import even_basis, klems_basis
+    from mpfcad.optics.bsdf.basis import even_basis, klems_basis
 
     if name in ("klems-full", "klems-half", "klems-quarter"):
         return klems_basis("LBNL/Klems " + name.removeprefix("klems-"))
@@ -116,7 +116,7 @@ def _trace(
 
     from mpfcad.cli.terminal import Terminal
     from mpfcad.optics.bsdf_film import trace_film_bsdf
-    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.solid.mesh import read_film_mesh
 
     with Terminal() as terminal:
         terminal.stage(f"tracing {2 * basis.count * rays / 1e6:.1f} million rays")
@@ -137,7 +137,7 @@ def _figures(table: "BsdfTable", made: "FilmBsdf | None") -> dict[str, Any]:
     """Return what is printed: energy a ring of incidence, the worst bin of it, reciprocity."""
     import numpy as np
 
-    from mpfcad.optics.bsdf_table import SIDES
+    from mpfcad.optics.bsdf.table import SIDES
 
     energy = table.energy
     ring = np.arange(energy.shape[2]) if table.isotropic else table.basis.ring

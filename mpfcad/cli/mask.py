@@ -31,7 +31,7 @@ def command(
     job = read_job(job_file)
     chosen = asked or tuple(job.mask.formats)
     if plan:
-        from mpfcad.mask.screen import screen_lines
+        from mpfcad.mask.screen.screen import screen_lines
 
         print("\n".join(screen_lines(read_mask_plan(job, job_file).describe())))
         return 0

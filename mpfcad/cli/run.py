@@ -10,7 +10,7 @@ def command(
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.job import read_job
     from mpfcad.pipeline import default_out, run_job
-    from mpfcad.report import exit_code
+    from mpfcad.record import exit_code
 
     job = read_job(job_file)
     folder = out or default_out(job)

@@ -17,7 +17,7 @@ def command(
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.errors import ExportError
     from mpfcad.pipeline import verify_export
-    from mpfcad.report import exit_code
+    from mpfcad.record import exit_code
 
     try:
         with Terminal() as terminal:

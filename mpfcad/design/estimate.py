@@ -55,7 +55,7 @@ def estimate_operators(
 
 def _film_mesh(groove, base, profile, curvature, folder):
     """Return a groove of a uniform film as the tracer reads its mesh from disk."""
-    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.optics.solid.mesh import read_film_mesh
 
     film = PrismFilm(groove, base, 1.0, profile, np.array([curvature]))
     write_stl(film, folder / "groove.stl", _FACET_ANGLE)
@@ -64,17 +64,18 @@ def _film_mesh(groove, base, profile, curvature, folder):
 
 def _scene(mesh, stack):
     """Return the scene and the film's number in it."""
+    from mpfcad.backlight.lower import lower_stack
     from mpfcad.optics.element import FILM
     from mpfcad.optics.scene import build_scene
 
-    scene = build_scene(stack.elements(mesh))
+    scene = build_scene(lower_stack(stack, mesh))
     return scene, int(np.flatnonzero(scene.kind == FILM)[0])
 
 
 def _trace_film(mesh, stack, grid: Grid, seed: int, threads: int) -> NDArray[np.float64]:
     """Return the shares of a uniform film, (2d+1, 2d), the same for mirrored directions."""
     from mpfcad.design.passage import FLOW_SIZE, trace_film
-    from mpfcad.optics.sampling import RNG_SIZE
+    from mpfcad.optics.base.sampling import RNG_SIZE
 
     scene, film = _scene(mesh, stack)
     d = grid.directions
@@ -99,7 +100,7 @@ def _trace_world(mesh, stack, grid: Grid, seed: int, threads: int):
     from scipy.sparse import coo_array
 
     from mpfcad.design.passage import FLOW_SIZE, trace_meter, trace_world
-    from mpfcad.optics.sampling import RNG_SIZE
+    from mpfcad.optics.base.sampling import RNG_SIZE
 
     scene, film = _scene(mesh, stack)
     cells, d = grid.cells, grid.directions

@@ -4,12 +4,12 @@ import math
 
 from numba import njit
 
-from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.film import TILE
-from mpfcad.optics.kernel import kernel
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.base.sampling import disk, start_path, uniform
+from mpfcad.optics.cavity.endless import NO_LAMP
+from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.passage import pass_element
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.sampling import disk, start_path, uniform
 
 #: Streams of random numbers, apart from those of the engine's sources.
 WORLD_STREAM, FILM_STREAM, METER_STREAM = 101, 102, 103

@@ -10,26 +10,26 @@ it; `Process` ties the mask's aperture ratio to the fill fraction and so to the 
 """
 
 from mpfcad.film.cell import CellFilm, CellShape
-from mpfcad.film.curvature import CurvatureMap, Extent, Repeat, check_curvature
-from mpfcad.film.curvature_file import read_curvature_map, write_curvature_map
-from mpfcad.film.field import CurvatureField, FieldFilm
-from mpfcad.film.field_file import (
+from mpfcad.film.curvature.file import read_curvature_map, write_curvature_map
+from mpfcad.film.curvature.map import CurvatureMap, Extent, Repeat, check_curvature
+from mpfcad.film.field.field import CurvatureField, FieldFilm
+from mpfcad.film.field.file import (
     is_field_file,
     read_curvature_field,
     write_curvature_field,
 )
-from mpfcad.film.field_piece import FieldPiece, cut_piece
+from mpfcad.film.field.piece import FieldPiece, cut_piece
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
 from mpfcad.film.made import MadeFilm
 from mpfcad.film.measured import average_groove
-from mpfcad.film.process import Process, check_aperture_ratio, check_printable, groove_ranges
-from mpfcad.film.process_file import read_process
-from mpfcad.film.process_write import Coupon, write_process
+from mpfcad.film.process.file import read_process
+from mpfcad.film.process.model import Process, check_aperture_ratio, check_printable, groove_ranges
+from mpfcad.film.process.write import Coupon, write_process
 from mpfcad.film.section import Section
-from mpfcad.film.stylus import StylusTrace, read_stylus_trace
-from mpfcad.film.stylus_fit import Interval, StylusFit, fit_stylus_trace
+from mpfcad.film.stylus.fit import Interval, StylusFit, fit_stylus_trace
+from mpfcad.film.stylus.trace import StylusTrace, read_stylus_trace
 
 __all__ = [
     "PROFILES",

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus import StylusTrace
-from mpfcad.film.stylus_fit import fit_stylus_trace
+from mpfcad.film.stylus.fit import fit_stylus_trace
+from mpfcad.film.stylus.trace import StylusTrace
 
 #: Straight pieces across one groove.
 PIECES = 50

@@ -8,14 +8,14 @@ library than wrote it.
 
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
-from mpfcad.mask.build import build_mask
-from mpfcad.mask.check import MaskCheck, check_mask
-from mpfcad.mask.drc import write_markers
-from mpfcad.mask.groove_mask import GrooveMask
+from mpfcad.mask.check.check import MaskCheck, check_mask
+from mpfcad.mask.check.drc import write_markers
+from mpfcad.mask.check.preview import write_preview
+from mpfcad.mask.format.write import write_mask
+from mpfcad.mask.pattern.build import build_mask
+from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool
-from mpfcad.mask.preview import write_preview
 from mpfcad.mask.rule import PATTERNS, MaskRules, Pattern
-from mpfcad.mask.write import write_mask
 
 __all__ = [
     "PATTERNS",

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm, Process, groove_ranges
-from mpfcad.mask.mesh import MESHES, Mesh, coarsest_mesh
+from mpfcad.mask.fabric import MESHES, Mesh, coarsest_mesh
 from mpfcad.units import deg, nm, um
 
 Pattern = Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"]

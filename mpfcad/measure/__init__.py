@@ -6,15 +6,15 @@ until their figures are known well enough: `luminance_over_pitch` with the lamp-
 `panel_luminance`. An interrupted trace goes on from its checkpoint.
 """
 
-from mpfcad.measure.angular import AngularCurve, AngularResult, angular_luminance
+from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_luminance
+from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.camera import CameraResult, camera_image
 from mpfcad.measure.checkpoint import Checkpoints, case_hash
-from mpfcad.measure.conoscope import ConoscopeResult, conoscope
-from mpfcad.measure.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.fit import fit_harmonics
+from mpfcad.measure.contrast.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.estimate import Estimate, reach
 from mpfcad.measure.flux import FluxResult, output_flux
-from mpfcad.measure.harmonic import harmonic_amplitude, relative_spread
-from mpfcad.measure.harmonic_fit import fit_harmonics
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film

@@ -21,7 +21,7 @@ import numpy as np
 from mpfcad.errors import InputError
 
 if TYPE_CHECKING:
-    from mpfcad.optics.recorder import Tally
+    from mpfcad.optics.base.recorder import Tally
 
 _ROOM = Path(__file__).parents[1]
 #: The folders whose code a tally depends on.
@@ -33,8 +33,8 @@ def code_hash() -> str:
     """Return the SHA-256 of the code and library versions that a traced figure comes from."""
     digest = hashlib.sha256()
     for folder in _CODE:
-        for path in sorted((_ROOM / folder).glob("*.py")):
-            digest.update(path.name.encode() + b"\0" + path.read_bytes())
+        for path in sorted((_ROOM / folder).rglob("*.py")):
+            digest.update(str(path.relative_to(_ROOM)).encode() + b"\0" + path.read_bytes())
     for package in ("numba", "numpy"):
         digest.update(f"{package} {version(package)}".encode())
     return digest.hexdigest()
@@ -93,7 +93,7 @@ class Checkpoints:
         InputError
             when the file is damaged.
         """
-        from mpfcad.optics.recorder import Tally
+        from mpfcad.optics.base.recorder import Tally
 
         if self.folder is None or not self._path(case).is_file():
             return None

@@ -54,7 +54,7 @@ def estimate_sum(
     blocks: float,
 ) -> Estimate:
     """Return Σ weight · value of points with independent errors from so many blocks; all (p,)."""
-    from mpfcad.optics.recorder import freedom_of_sum
+    from mpfcad.optics.base.recorder import freedom_of_sum
 
     spread = float(np.sqrt(np.sum((weight * error) ** 2)))
     return Estimate.student(

@@ -45,7 +45,7 @@ class FluxResult:
 
 def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
     """Return flux and efficiency of a film in its stack, each to a relative standard error."""
-    from mpfcad.optics.recorder import FLOWS
+    from mpfcad.optics.base.recorder import FLOWS
     from mpfcad.optics.source import EYE, LAMPS, Source
 
     up = FLOWS.index("up")

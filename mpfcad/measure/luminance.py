@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
-from mpfcad.measure.harmonic_fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 
 if TYPE_CHECKING:
-    from mpfcad.optics.recorder import Tally
+    from mpfcad.optics.base.recorder import Tally
 
 #: Points over the pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
 POINTS = 33
@@ -104,8 +104,8 @@ def luminance_over_pitch(
 
 def _energy(scene, elements, seed: int, threads: int) -> dict[str, object]:
     """Return where the lamps' light goes, from a forward trace, as shares of what they emit."""
+    from mpfcad.optics.base.recorder import FLOWS
     from mpfcad.optics.engine import trace
-    from mpfcad.optics.recorder import FLOWS
     from mpfcad.optics.source import LAMPS, Source
 
     tally = trace(

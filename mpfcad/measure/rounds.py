@@ -13,8 +13,8 @@ from mpfcad.errors import TraceError
 from mpfcad.measure.checkpoint import Checkpoints, array_hash, case_hash
 
 if TYPE_CHECKING:
+    from mpfcad.optics.base.recorder import Tally
     from mpfcad.optics.element import Element
-    from mpfcad.optics.recorder import Tally
     from mpfcad.optics.scene import Scene
     from mpfcad.optics.source import Source
 
@@ -101,11 +101,12 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     InputError
         when the mesh cannot be read or traced.
     """
-    from mpfcad.optics.mesh import read_film_mesh
+    from mpfcad.backlight.lower import lower_stack
     from mpfcad.optics.scene import build_scene
+    from mpfcad.optics.solid.mesh import read_film_mesh
 
     mesh = None if mesh_path is None else read_film_mesh(mesh_path)
-    elements = stack.elements(mesh, offset)
+    elements = lower_stack(stack, mesh, offset)
     scene = build_scene(elements)
     case = {
         "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
@@ -135,8 +136,8 @@ def trace_rounds(
     TraceError
         when more than 1e-6 of the paths are lost.
     """
+    from mpfcad.optics.base.recorder import FLOWS, Tally
     from mpfcad.optics.engine import BLOCK, trace
-    from mpfcad.optics.recorder import FLOWS, Tally
 
     points = len(source.position)
     limit = run.path_limit

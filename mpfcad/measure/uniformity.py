@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast import contrast_of_points
+from mpfcad.measure.contrast.contrast import contrast_of_points
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, relative_error, trace_rounds
 

@@ -10,15 +10,15 @@ from numba import njit, uint64
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.bsdf_basis import AngleBasis
-from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.cavity import NO_LAMP
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.base.sampling import RNG_SIZE, start_path, uniform
+from mpfcad.optics.bsdf.basis import AngleBasis
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.element import Film
-from mpfcad.optics.mesh import FilmMesh
 from mpfcad.optics.passage import pass_element
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.sampling import RNG_SIZE, start_path, uniform
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.solid.mesh import FilmMesh
 
 _STREAM = 12
 _MOST_LOST = 1e-6

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.panel import Panel
-from mpfcad.optics.resin import Resin
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.finite import Panel
+from mpfcad.optics.film.resin import Resin
+from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Kinds as the kernels know them, in the order of `CLASSES`.
 CAVITY, SLAB, SHEET, FILM, BSDF = range(5)

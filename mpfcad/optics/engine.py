@@ -12,10 +12,18 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numba import njit, uint64
 
-from mpfcad.optics.cavity import BRDF, NO_LAMP
-from mpfcad.optics.cavity_lanes import cavity_passages
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import LANES
+from mpfcad.optics.base.net import NET
+from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
+from mpfcad.optics.base.sampling import start_net_path
+from mpfcad.optics.cavity.endless import BRDF, NO_LAMP
+from mpfcad.optics.cavity.endless_lanes import cavity_passages
+from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.element import CAVITY, FILM, Sheet
-from mpfcad.optics.film import (
+from mpfcad.optics.film.chain_lanes import film_passages
+from mpfcad.optics.film.grid_lanes import grid_passages
+from mpfcad.optics.film.passage import (
     COSINE,
     FLIPPED,
     INDEX,
@@ -26,20 +34,12 @@ from mpfcad.optics.film import (
     into_film,
     out_of_film,
 )
-from mpfcad.optics.film_lanes import film_passages
-from mpfcad.optics.grid_lanes import grid_passages
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES
-from mpfcad.optics.net import NET
-from mpfcad.optics.panel import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.passage import pass_element, roulette
-from mpfcad.optics.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
-from mpfcad.optics.sampling import start_net_path
 from mpfcad.optics.scene import Scene, build_scene
+from mpfcad.optics.search.tile import CHAIN, GRID
+from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
-from mpfcad.optics.tile import CHAIN, GRID
-from mpfcad.optics.tile_table import tile_of
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one point in one block.

@@ -2,8 +2,18 @@
 
 import math
 
-from mpfcad.optics.bsdf import bsdf_passage
-from mpfcad.optics.cavity import (
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.recorder import (
+    FLOW_ELEMENTS,
+    FLOW_LAMPS,
+    FLOW_LOST,
+    FLOW_ROULETTE,
+    FLOW_WALLS,
+)
+from mpfcad.optics.base.sampling import uniform
+from mpfcad.optics.bsdf.passage import bsdf_passage
+from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
+from mpfcad.optics.cavity.endless import (
     BRDF,
     HEIGHT,
     LAMP,
@@ -20,11 +30,7 @@ from mpfcad.optics.cavity import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
-from mpfcad.optics.element import BSDF, CAVITY, SHEET, SLAB
-from mpfcad.optics.film import placed_film_passage
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.panel import (
+from mpfcad.optics.cavity.finite import (
     FACTOR,
     LAMP_END,
     WALL_ACROSS,
@@ -34,8 +40,8 @@ from mpfcad.optics.panel import (
     panel_hit,
     wall_direction,
 )
-from mpfcad.optics.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_ROULETTE, FLOW_WALLS
-from mpfcad.optics.sampling import uniform
+from mpfcad.optics.element import BSDF, CAVITY, SHEET, SLAB
+from mpfcad.optics.film.passage import placed_film_passage
 from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
 

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError, TraceError
-from mpfcad.optics.bsdf import BsdfArrays, build_bsdf
-from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.base.phase import phase_table
+from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.finite import NO_WALL
 from mpfcad.optics.element import CLASSES, FILM, BsdfSheet, Cavity, Element, Film, Slab
-from mpfcad.optics.film import TILE
-from mpfcad.optics.panel import NO_WALL
-from mpfcad.optics.phase import phase_table
-from mpfcad.optics.tile import ACCELERATORS, build_tile
-from mpfcad.optics.tile_table import TileTable, build_tile_table
+from mpfcad.optics.film.passage import TILE
+from mpfcad.optics.search.tile import ACCELERATORS, build_tile
+from mpfcad.optics.search.tile_table import TileTable, build_tile_table
 
 _PARAMETERS = 12
 #: Largest length [mm] along y over which a meter averages on a finite panel.

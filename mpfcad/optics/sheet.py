@@ -2,9 +2,9 @@
 
 import math
 
-from mpfcad.optics.fresnel import fresnel
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.sampling import gaussian_pair, uniform
+from mpfcad.optics.base.fresnel import fresnel
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.sampling import gaussian_pair, uniform
 
 
 @kernel

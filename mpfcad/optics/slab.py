@@ -2,10 +2,10 @@
 
 import math
 
-from mpfcad.optics.fresnel import fresnel
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.phase import scattering_cosine
-from mpfcad.optics.sampling import turn, uniform
+from mpfcad.optics.base.fresnel import fresnel
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.phase import scattering_cosine
+from mpfcad.optics.base.sampling import turn, uniform
 
 _MOST_STEPS = 1_000_000
 

@@ -6,11 +6,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mpfcad.optics.cavity import LAMP_HEIGHT, LAMP_POSITION, LAMP_RADIUS, NO_LAMP, lambertian
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import root, select
-from mpfcad.optics.panel import lamp_start
-from mpfcad.optics.sampling import disk, uniform
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import root, select
+from mpfcad.optics.base.sampling import disk, uniform
+from mpfcad.optics.cavity.endless import (
+    LAMP_HEIGHT,
+    LAMP_POSITION,
+    LAMP_RADIUS,
+    NO_LAMP,
+    lambertian,
+)
+from mpfcad.optics.cavity.finite import lamp_start
 
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
 

@@ -2,12 +2,12 @@
 
 from numba import int64, uint64
 
-from mpfcad.optics.cavity import NO_LAMP
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import select, spread
-from mpfcad.optics.lanes_array import gather, load, store, store_lines
-from mpfcad.optics.sampling import disk_point
-from mpfcad.optics.sampling_lanes import next_two, start_net_paths, take
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import select, spread
+from mpfcad.optics.base.lanes_array import gather, load, store, store_lines
+from mpfcad.optics.base.sampling import disk_point
+from mpfcad.optics.base.sampling_lanes import next_two, start_net_paths, take
+from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.source import EYE, look, remaining_cosine
 
 

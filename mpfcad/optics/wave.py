@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.film_lanes import PLACE_SIZE
-from mpfcad.optics.kernel import kernel
-from mpfcad.optics.lanes import LANES
-from mpfcad.optics.lanes_array import aligned
-from mpfcad.optics.sampling import RNG_SIZE
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import LANES
+from mpfcad.optics.base.lanes_array import aligned
+from mpfcad.optics.base.sampling import RNG_SIZE
+from mpfcad.optics.film.chain_lanes import PLACE_SIZE
 
 #: Paths under way at once: their slots fit the processor's second cache.
 SLOTS = 1024

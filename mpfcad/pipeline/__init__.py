@@ -5,19 +5,19 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 `trace_mesh` are the single steps; `measure_film` finds every photometric figure of a film.
 """
 
-from mpfcad.pipeline.case import WHAT, Case, Measuring, read_case
-from mpfcad.pipeline.compare import compare_cases
-from mpfcad.pipeline.design import default_design_out, run_design
+from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
-from mpfcad.pipeline.make import CAD_FORMATS, MASK_FORMATS
-from mpfcad.pipeline.mask_plan import MaskPlan, read_mask_plan
-from mpfcad.pipeline.measure import default_measure_out, default_what, measure_film
-from mpfcad.pipeline.mould import MouldSetting, make_mould
-from mpfcad.pipeline.plan import Plan, read_plan, restore_plan
+from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, read_case
+from mpfcad.pipeline.measure.compare import compare_cases
+from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
+from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
-from mpfcad.pipeline.run import default_out, make_cad, make_mask, run_job, trace_mesh
-from mpfcad.pipeline.sweep import default_sweep_out, run_sweep
-from mpfcad.pipeline.verify import verify_export
+from mpfcad.pipeline.run.make import CAD_FORMATS, MASK_FORMATS
+from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
+from mpfcad.pipeline.run.mould import MouldSetting, make_mould
+from mpfcad.pipeline.run.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.run.verify import verify_export
+from mpfcad.pipeline.sweep.run import default_sweep_out, run_sweep
 
 __all__ = [
     "CAD_FORMATS",

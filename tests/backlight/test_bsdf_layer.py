@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from mpfcad.backlight import read_stack
+from mpfcad.backlight.lower import lower_stack
 from mpfcad.errors import InputError
-from mpfcad.optics.bsdf_basis import klems_basis, ring_basis
-from mpfcad.optics.bsdf_file import bsdf_texts, write_texts
-from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.bsdf.basis import klems_basis, ring_basis
+from mpfcad.optics.bsdf.file import bsdf_texts, write_texts
+from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.element import BsdfSheet, Cavity
-from mpfcad.pipeline.plan import describe_stack, restore_stack
+from mpfcad.pipeline.plan.plan import describe_stack, restore_stack
 
 QUARTER = klems_basis("LBNL/Klems Quarter")
 RINGS = ring_basis(np.radians([0, 15, 45, 90]), 4)
@@ -40,7 +41,7 @@ def test_tables_stand_where_the_layers_say(tmp_path):
     stack = read_stack(path)
     assert stack.layers == ("clear_plate", "bsdf_2", "top_sheet", "white")
     assert not stack.has_slot
-    elements = stack.elements(None)
+    elements = lower_stack(stack, None)
     assert [e.name for e in elements[1:] if isinstance(e, BsdfSheet)] == ["bsdf 2", "white"]
     assert [e.blend for e in elements if isinstance(e, BsdfSheet)] == [0.0, 1.0]
     assert isinstance(elements[0], Cavity) and elements[0].brdf is stack.tables["reflector"].table
@@ -91,6 +92,6 @@ def test_a_mesh_and_a_film_go_together(tmp_path):
     write_table(tmp_path)
     stack = read_stack(write_stack(tmp_path, '{ kind = "bsdf", file = "sheet.csv" }'))
     with pytest.raises(InputError, match="has no film: allowed is no mesh"):
-        stack.elements(object())
+        lower_stack(stack, object())
     with pytest.raises(InputError, match="its film needs a mesh"):
-        read_stack("thesis-32in-mpf").elements(None)
+        lower_stack(read_stack("thesis-32in-mpf"), None)

@@ -5,6 +5,7 @@ import pytest
 from harness import BARE, film_file, film_mesh, groove
 
 from mpfcad.backlight import read_stack
+from mpfcad.backlight.lower import lower_stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.scene import build_scene
@@ -44,7 +45,7 @@ def test_a_stack_of_many_layers(tmp_path, many):
     ]  # fmt: skip
     assert stack.sheet_count == 7
     mesh = film_mesh(tmp_path, [groove(60.0)])
-    elements = stack.elements(mesh, 0.01)
+    elements = lower_stack(stack, mesh, 0.01)
     _, _, plate, _, bef, film, other, sheet = elements
     assert isinstance(plate, Slab) and (plate.index, plate.thickness) == (1.5, 1.0)
     assert plate.scattering == 0.5
@@ -69,7 +70,7 @@ def test_the_jobs_film_may_lie_crossed_and_upside_down(tmp_path):
     path = tmp_path / "own.toml"
     layers = 'layers = ["clear_plate", { kind = "film", rotation_deg = 90, flipped = true }]'
     path.write_text(f'extends = "{MPF}"\n{layers}\n', encoding="utf-8")
-    film = read_stack(path).elements(film_mesh(tmp_path, [BARE]))[-1]
+    film = lower_stack(read_stack(path), film_mesh(tmp_path, [BARE]))[-1]
     assert film.flipped and film.rotation == pytest.approx(np.pi / 2)
 
 
@@ -77,14 +78,14 @@ def test_a_film_bonded_on_a_plate_of_its_own(tmp_path):
     path = tmp_path / "own.toml"
     layers = 'layers = [{ kind = "plate", index = 1.6 }, "bonded_film"]'
     path.write_text(f'extends = "{MPF}"\n{layers}\n', encoding="utf-8")
-    _, plate, film = read_stack(path).elements(film_mesh(tmp_path, [BARE]))
+    _, plate, film = lower_stack(read_stack(path), film_mesh(tmp_path, [BARE]))
     assert plate.bonded and film.index_below == plate.index == 1.6
 
 
 def test_a_whole_panel_has_walls_and_its_lamps_one_by_one(tmp_path):
     over = {"extent": "panel", "lamp_3_luminance_factor": 0.8, "lamp_12_shift_mm": 1.5}
     stack = read_stack(MPF, overrides=over)
-    panel = stack.elements(film_mesh(tmp_path, [BARE]))[0].panel
+    panel = lower_stack(stack, film_mesh(tmp_path, [BARE]))[0].panel
     assert panel.right - panel.left == pytest.approx(392.26)
     assert (panel.near, panel.far) == pytest.approx((-697.68 / 2, 697.68 / 2))
     assert len(panel.lamp_position) == 12 and panel.lamp_position[5] == pytest.approx(0)
@@ -101,18 +102,18 @@ def test_scattering_resin_needs_the_prisms(tmp_path):
     assert stack["resin_asymmetry"] == 0 and stack.resin_scatters
     mesh = film_mesh(tmp_path, [groove(60.0)] * 2)
     with pytest.raises(InputError, match="--prism"):
-        stack.elements(mesh)
+        lower_stack(stack, mesh)
     prism = film_file(tmp_path / "prism.stl", [BARE] * 2)
-    film = stack.with_prism(prism).elements(mesh)[3]
+    film = lower_stack(stack.with_prism(prism), mesh)[3]
     assert film.resin.scattering == 5.0 and film.resin.phase is None
     narrow = film_file(tmp_path / "narrow.stl", [BARE])
     with pytest.raises(InputError, match="wide"):
-        stack.with_prism(narrow).elements(mesh)
+        lower_stack(stack.with_prism(narrow), mesh)
     particles = {
         "resin_particle_radius_um": 5.0,
         "resin_particle_index": 1.45,
         "resin_particle_density_per_mm3": 1e5,
     }
     stack = read_stack(MPF, overrides=particles).with_prism(prism)
-    resin = stack.elements(mesh)[3].resin
+    resin = lower_stack(stack, mesh)[3].resin
     assert resin.scattering == pytest.approx(stack["resin_scattering_per_mm"]) and len(resin.phase)

@@ -7,8 +7,8 @@ from harness import compiled
 from mpfcad.backlight import read_stack
 from mpfcad.backlight.particle import Particles
 from mpfcad.errors import InputError
-from mpfcad.optics import phase
-from mpfcad.optics.phase import STEPS, phase_quantiles
+from mpfcad.optics.base import phase
+from mpfcad.optics.base.phase import STEPS, phase_quantiles
 
 scattering_cosine = compiled(phase.scattering_cosine)
 

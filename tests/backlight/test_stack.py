@@ -6,6 +6,7 @@ import pytest
 from harness import BARE, film_mesh
 
 from mpfcad.backlight import LAYERS, RANGES, list_stacks, read_stack
+from mpfcad.backlight.lower import lower_stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 
@@ -94,13 +95,13 @@ def test_a_file_extends_a_preset_or_a_file_beside_it(tmp_path):
 
 def test_elements_are_the_layers_from_the_lamps_up(tmp_path):
     mesh = film_mesh(tmp_path, [BARE])
-    conventional = read_stack("thesis-32in-conventional").elements(mesh, 0.02)
+    conventional = lower_stack(read_stack("thesis-32in-conventional"), mesh, 0.02)
     assert [type(e) for e in conventional] == [Cavity, Slab, Sheet, Film, Sheet]
     assert conventional[1].scattering == 0.6 and conventional[1].absorption == 0.0036
     assert conventional[3].offset == 0.02 and conventional[3].index_below == 1.0
-    clear = read_stack(MPF).elements(mesh)[1]
+    clear = lower_stack(read_stack(MPF), mesh)[1]
     assert clear.scattering == clear.absorption == 0 and not clear.bonded
-    plate = read_stack("thesis-32in-mpf-plate").elements(mesh)
+    plate = lower_stack(read_stack("thesis-32in-mpf-plate"), mesh)
     assert [type(e) for e in plate] == [Cavity, Slab, Film, Sheet]
     assert plate[1].bonded and plate[2].index_below == plate[1].index == 1.49
 

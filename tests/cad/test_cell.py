@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpfcad.cad import check_agreement
-from mpfcad.cad.cell_check import check_cell_stl
-from mpfcad.cad.cell_mesh import build_cell_mesh
-from mpfcad.cad.cell_step import write_cell_step
-from mpfcad.cad.step_check import check_film_body
-from mpfcad.cad.stl import write_mesh
+from mpfcad.cad.check.cell import check_cell_stl
+from mpfcad.cad.check.step import check_film_body
+from mpfcad.cad.file.stl import write_mesh
+from mpfcad.cad.shape.cell_mesh import build_cell_mesh
+from mpfcad.cad.step.cell import write_cell_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CellFilm, Groove
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
 BEF = Groove(0.050, 0.025)

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpfcad.cad.field_agreement import check_field_agreement
-from mpfcad.cad.field_check import check_field_stl, curvature_difference
-from mpfcad.cad.field_mesh import build_field_mesh
-from mpfcad.cad.field_step import write_field_step
-from mpfcad.cad.step_check import check_film_body
-from mpfcad.cad.stl import write_mesh
+from mpfcad.cad.check.field import check_field_stl, curvature_difference
+from mpfcad.cad.check.field_agreement import check_field_agreement
+from mpfcad.cad.check.step import check_film_body
+from mpfcad.cad.file.stl import write_mesh
+from mpfcad.cad.shape.field_mesh import build_field_mesh
+from mpfcad.cad.step.field import write_field_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureField, FieldFilm, Groove, PrismFilm, cut_piece
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
 BEF = Groove(0.050, 0.025)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mpfcad.cad.height import build_height_grid, check_heights, write_heights
+from mpfcad.cad.file.height import build_height_grid, check_heights, write_heights
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CellFilm, CurvatureField, FieldFilm, Groove, cut_piece
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpfcad.cad.mesh import build_cross_section, build_mesh
+from mpfcad.cad.shape.mesh import build_cross_section, build_mesh
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.units import deg

@@ -7,16 +7,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpfcad.cad import check_agreement
-from mpfcad.cad.dxf import check_dxf, rational_outline, write_dxf
-from mpfcad.cad.mould import build_mould
-from mpfcad.cad.section_check import check_section_step, check_section_stl
-from mpfcad.cad.section_mesh import build_section_mesh
-from mpfcad.cad.section_step import FILM_COLOUR, write_section_step
-from mpfcad.cad.stl import write_mesh
-from mpfcad.cad.turning import build_turning_table, write_turning_table
+from mpfcad.cad.check.section import check_section_step, check_section_stl
+from mpfcad.cad.file.dxf import check_dxf, rational_outline, write_dxf
+from mpfcad.cad.file.stl import write_mesh
+from mpfcad.cad.shape.mould import build_mould
+from mpfcad.cad.shape.section_mesh import build_section_mesh
+from mpfcad.cad.shape.turning import build_turning_table, write_turning_table
+from mpfcad.cad.step.section import FILM_COLOUR, write_section_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Imperfection, build_section
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
 CURVATURES = np.array([20.0, 38.0, 41.0, 60.0, 79.0, 80.0])

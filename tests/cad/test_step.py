@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpfcad.cad import check_step, write_step
-from mpfcad.cad.step import COLOURS
+from mpfcad.cad.step.grooves import COLOURS
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Groove, PrismFilm
 

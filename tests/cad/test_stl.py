@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpfcad.cad import check_stl, write_stl
-from mpfcad.cad.stl import FACET
+from mpfcad.cad.file.stl import FACET
 from mpfcad.errors import ExportError, InputError
 from mpfcad.units import deg
 

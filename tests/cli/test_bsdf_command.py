@@ -7,7 +7,7 @@ import pytest
 from harness import BARE, film_file
 
 from mpfcad.cli import run_app
-from mpfcad.optics.bsdf_file import read_bsdf
+from mpfcad.optics.bsdf.file import read_bsdf
 
 
 def output(capsys, *arguments):

@@ -13,7 +13,7 @@ from mpfcad.optics import engine
 
 _SOURCE = """
 from numba import njit
-from mpfcad.optics.kernel import kernel
+from mpfcad.optics.base.kernel import kernel
 
 
 @kernel

@@ -7,7 +7,7 @@ import pytest
 
 from mpfcad.cli import run_app
 from mpfcad.film import Groove
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 
 BEF = Groove(0.050, 0.025)
 JOB = """

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from mpfcad.job.design import Design, ThicknessTable
 from mpfcad.job.reader import validate
-from mpfcad.pipeline.design_thickness import ThicknessSearch
-from mpfcad.pipeline.thickness_limit import crossings, describe_limit, spread_lamps
+from mpfcad.pipeline.design.thickness import ThicknessSearch
+from mpfcad.pipeline.point.thickness_limit import crossings, describe_limit, spread_lamps
 
 RANGE = """
 schema = 1

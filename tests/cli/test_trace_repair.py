@@ -9,7 +9,7 @@ from harness import BARE, CONCAVE, extruded, row, write_facets
 from solid import drawn
 
 from mpfcad.cli import run_app
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 
 FILM = extruded(*row([CONCAVE] * 2, 0.2), 0.4)
 BROKEN = np.r_[FILM[:5, ::-1], FILM[5:-4]]
@@ -23,8 +23,8 @@ def run(capsys, *arguments):
 
 @pytest.fixture
 def short(monkeypatch):
-    from mpfcad.pipeline import run as module
     from mpfcad.pipeline.effort import TraceSetting
+    from mpfcad.pipeline.run.run import run as module
 
     setting = {"quick": TraceSetting(half_width_goal=1.0, path_limit=1)}
     monkeypatch.setattr(module, "TRACE_SETTINGS", setting)

@@ -13,7 +13,7 @@ from mpfcad.film import (
     read_curvature_field,
     read_process,
 )
-from mpfcad.mask.ratio import CellRatio
+from mpfcad.mask.pattern.ratio import CellRatio
 
 BEF = Groove(0.050, 0.025)
 X, Y = np.array([0.0, 1.0, 2.0]), np.array([0.0, 4.0, 6.0, 10.0])

@@ -17,7 +17,7 @@ from mpfcad.film import (
     groove_ranges,
     read_process,
 )
-from mpfcad.film.process_file import PUBLISHED
+from mpfcad.film.process.file import PUBLISHED
 
 BEF = Groove(0.050, 0.025)
 THESIS = Path(__file__).parents[2] / "masks" / "process-thesis.toml"

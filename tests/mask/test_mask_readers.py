@@ -17,8 +17,8 @@ from small_mask import DOT, SLOT, build, flat_boxes, written
 
 from mpfcad.errors import ExportError
 from mpfcad.mask import MaskRules, Phototool, check_mask, write_markers, write_preview
-from mpfcad.mask.drc import check_windows, sample_windows
-from mpfcad.mask.found import FoundMask, region_of
+from mpfcad.mask.check.drc import check_windows, sample_windows
+from mpfcad.mask.check.found import FoundMask, region_of
 
 SHORT = [55.0, 57.5, 60.0, 80.0, 61.0]
 

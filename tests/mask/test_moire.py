@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from mpfcad.mask import MaskRules
-from mpfcad.mask.levelling import FULL_WIDTH
-from mpfcad.mask.mesh import build_mesh, find_mesh
-from mpfcad.mask.moire import (
+from mpfcad.mask.fabric import build_mesh, find_mesh
+from mpfcad.mask.pattern.levelling import FULL_WIDTH
+from mpfcad.mask.screen.moire import (
     VISIBLE_CONTRAST,
     MoireSetting,
     find_beats,

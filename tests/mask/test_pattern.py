@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from mpfcad.errors import InputError
 from mpfcad.film import CurvatureField, FieldFilm, Groove, PrismFilm, read_process
 from mpfcad.mask import MaskRules, build_mask
-from mpfcad.mask.levelling import FULL_WIDTH, levelling_residual
 from mpfcad.mask.noise import rank_columns
+from mpfcad.mask.pattern.levelling import FULL_WIDTH, levelling_residual
 from mpfcad.units import deg
 
 BEF = Groove(0.050, 0.025)

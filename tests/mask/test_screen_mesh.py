@@ -6,7 +6,7 @@ import pytest
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, PrismFilm, read_process
 from mpfcad.mask import MaskRules, build_mask
-from mpfcad.mask.mesh import MESHES, build_mesh, coarsest_mesh, find_mesh
+from mpfcad.mask.fabric import MESHES, build_mesh, coarsest_mesh, find_mesh
 
 BEF = Groove(0.050, 0.025)
 PROCESS = read_process(None, BEF)

@@ -6,8 +6,8 @@ from harness import BARE, film_file, groove
 
 from mpfcad.backlight import read_stack
 from mpfcad.measure import contrast_of_harmonics, fit_harmonics, light_film, reach
+from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_UP
 from mpfcad.optics.engine import trace
-from mpfcad.optics.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_UP
 from mpfcad.optics.source import EYE, LAMPS, Source
 
 #: Seeds 1000 … 1399.

@@ -5,23 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from harness import film_file, groove, within
+from oracle.tracer import reflectance
 
 from mpfcad.backlight import read_stack
 from mpfcad.measure import (
     TraceRun,
     angular_luminance,
     camera_image,
-    conoscope,
     light_film,
     output_flux,
     screen_uniformity,
 )
-from mpfcad.measure.angular import ANGLES, peak, width
-from mpfcad.measure.conoscope import POLAR, exitance_weight
+from mpfcad.measure.angle import conoscope
+from mpfcad.measure.angle.angular import ANGLES, peak, width
+from mpfcad.measure.angle.conoscope import POLAR, exitance_weight
 from mpfcad.measure.draw import estimate_by_draws
 from mpfcad.measure.rounds import trace_rounds
 from mpfcad.optics.element import Film, Slab
-from mpfcad.optics.reference import reflectance
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpfcad.measure import contrast_of_harmonics, fit_harmonics, harmonic_amplitude, relative_spread
-from mpfcad.measure.contrast import contrast_of_points
+from mpfcad.measure.contrast.contrast import contrast_of_points
 from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, uniformity
 
 U = np.linspace(0, 1, 33)

@@ -6,12 +6,12 @@ from harness import CONCAVE, film_mesh
 
 from mpfcad.measure import Estimate, reach
 from mpfcad.measure.estimate import estimate_sum
+from mpfcad.optics.base.recorder import Tally, freedom_of_sum
 from mpfcad.optics.element import Film
 from mpfcad.optics.engine import trace
-from mpfcad.optics.recorder import Tally, freedom_of_sum
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
-from mpfcad.report import ratio
+from mpfcad.record import ratio
 
 RUNS = 400
 

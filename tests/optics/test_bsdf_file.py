@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpfcad.errors import InputError
-from mpfcad.optics.bsdf_basis import AngleBasis, even_basis, klems_basis, ring_basis
-from mpfcad.optics.bsdf_file import bsdf_texts, read_bsdf, write_texts
-from mpfcad.optics.bsdf_rebin import expand_isotropic, rebin
-from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.bsdf.basis import AngleBasis, even_basis, klems_basis, ring_basis
+from mpfcad.optics.bsdf.file import bsdf_texts, read_bsdf, write_texts
+from mpfcad.optics.bsdf.rebin import expand_isotropic, rebin
+from mpfcad.optics.bsdf.table import BsdfTable
 
 QUARTER = klems_basis("LBNL/Klems Quarter")
 

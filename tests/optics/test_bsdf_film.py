@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from harness import BARE, extruded, film_mesh, pass_layers, within, write_facets
 
-from mpfcad.optics.bsdf_basis import klems_basis
+from mpfcad.optics.bsdf.basis import klems_basis
 from mpfcad.optics.bsdf_film import trace_film_bsdf
 from mpfcad.optics.element import BsdfSheet, Film
-from mpfcad.optics.mesh import read_film_mesh
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.solid.mesh import read_film_mesh
 
 FULL, QUARTER = klems_basis("LBNL/Klems Full"), klems_basis("LBNL/Klems Quarter")
 

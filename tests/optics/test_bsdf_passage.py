@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from harness import BARE, film_mesh, pass_layers, single_paths, within
 from numba import njit, uint64
+from oracle.tracer import Philox, ReferenceTracer
 
-from mpfcad.optics.bsdf import bsdf_scatter, build_bsdf
-from mpfcad.optics.bsdf_basis import even_basis, klems_basis, ring_basis
-from mpfcad.optics.bsdf_table import BsdfTable
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.base.sampling import RNG_SIZE, start_path
+from mpfcad.optics.bsdf.basis import even_basis, klems_basis, ring_basis
+from mpfcad.optics.bsdf.passage import bsdf_scatter, build_bsdf
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import BsdfSheet, Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.panel import Panel
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.reference import Philox, ReferenceTracer
-from mpfcad.optics.sampling import RNG_SIZE, start_path
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMPS, Source
 

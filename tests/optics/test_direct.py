@@ -8,13 +8,13 @@ import pytest
 from harness import within
 from numba import njit
 
-from mpfcad.optics.bsdf_basis import ring_basis
-from mpfcad.optics.bsdf_table import BsdfTable
-from mpfcad.optics.cavity import lamp_hit
-from mpfcad.optics.direct import lamp_view
+from mpfcad.optics.bsdf.basis import ring_basis
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.direct import lamp_view
+from mpfcad.optics.cavity.endless import lamp_hit
+from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity, Sheet
 from mpfcad.optics.engine import trace
-from mpfcad.optics.panel import Panel
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from harness import CONCAVE, film_mesh, groove, single_paths
 
+from mpfcad.optics.base.recorder import FLOWS, Tally
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import BLOCK, trace
-from mpfcad.optics.recorder import FLOWS, Tally
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, LAMPS, Source
 

@@ -17,7 +17,7 @@ from harness import (
 )
 
 from mpfcad.errors import InputError
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 
 
 @pytest.fixture

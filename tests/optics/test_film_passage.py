@@ -17,7 +17,7 @@ from harness import (
     through,
 )
 
-from mpfcad.optics.tile import GRID, build_tile
+from mpfcad.optics.search.tile import GRID, build_tile
 
 SLIVERS = [groove(40.0001), groove(41.0), groove(79.999), groove(80.0), groove(0.0)]
 FILMS = {

@@ -6,9 +6,9 @@ import pytest
 from harness import compiled
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from oracle import ray as reference_ray
 
-from mpfcad.optics import reference_ray
-from mpfcad.optics.fresnel import fresnel as fresnel_kernel
+from mpfcad.optics.base.fresnel import fresnel as fresnel_kernel
 
 fresnel = compiled(fresnel_kernel)
 

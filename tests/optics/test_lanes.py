@@ -15,21 +15,21 @@ from harness import (
 )
 from numba import njit
 
-from mpfcad.optics import lanes, lanes_array
-from mpfcad.optics.bvh_build import build_bvh
-from mpfcad.optics.bvh_walk import closest_facets
+from mpfcad.optics.base import lanes, lanes_array
+from mpfcad.optics.base.fresnel import fresnel
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.base.sampling import RNG_SIZE, start_path
 from mpfcad.optics.element import Film
-from mpfcad.optics.film_lanes import PLACE_SIZE, film_passages
-from mpfcad.optics.fresnel import fresnel
-from mpfcad.optics.grid_build import build_grid
-from mpfcad.optics.grid_walk import Walk, walk_on
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.sampling import RNG_SIZE, start_path
+from mpfcad.optics.film.chain_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.scene import build_scene
-from mpfcad.optics.seam import with_seam
+from mpfcad.optics.search.bvh_build import build_bvh
+from mpfcad.optics.search.bvh_walk import closest_facets
+from mpfcad.optics.search.grid_build import build_grid
+from mpfcad.optics.search.grid_walk import Walk, walk_on
+from mpfcad.optics.search.seam import with_seam
+from mpfcad.optics.search.tile import build_tile
+from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
-from mpfcad.optics.tile import build_tile
-from mpfcad.optics.tile_table import build_tile_table
 
 
 @njit(error_model="numpy", _nrt=False)

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from harness import BARE, crossed_mesh, film_mesh, groove, pass_layers, single_paths
+from oracle.tracer import Philox, ReferenceTracer
 
 from mpfcad.errors import TraceError
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace, trace_paths
-from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.reference import Philox, ReferenceTracer
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from solid import BESIDE, BOW, NOTCH, OVERHANG, SMALL, SPIKE, SQUARE, box, drawn, turned
 
 from mpfcad.errors import InputError
-from mpfcad.optics.crossing_facet import facet_contact
-from mpfcad.optics.crossing_section import extruded_section, section_contact
-from mpfcad.optics.mesh import read_film_mesh, weld
-from mpfcad.optics.mesh_solid import find_fault, is_height_field
+from mpfcad.optics.solid.closed import find_fault, is_height_field
+from mpfcad.optics.solid.crossing_facet import facet_contact
+from mpfcad.optics.solid.crossing_section import extruded_section, section_contact
+from mpfcad.optics.solid.mesh import read_film_mesh, weld
 
 
 def fault(facets):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from harness import within
 from numba import njit, uint64
+from oracle.ray import Philox
 
-from mpfcad.optics.net import DIMENSIONS, NET, direction_numbers
-from mpfcad.optics.reference_ray import Philox
-from mpfcad.optics.sampling import RNG_SIZE, start_net_path, uniform
+from mpfcad.optics.base.net import DIMENSIONS, NET, direction_numbers
+from mpfcad.optics.base.sampling import RNG_SIZE, start_net_path, uniform
 
 
 @njit

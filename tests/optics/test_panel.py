@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from harness import BARE, film_mesh, single_paths, within
+from oracle.tracer import Philox, ReferenceTracer
 
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.panel import Panel
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.reference import Philox, ReferenceTracer
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMPS, Source
 

@@ -11,8 +11,9 @@ import pytest
 from harness import CONCAVE, crossed_mesh, film_mesh, section_mesh, single_paths
 
 from mpfcad.backlight import read_stack
+from mpfcad.backlight.lower import lower_stack
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Film, Sheet
-from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMPS, Source
 
@@ -30,7 +31,7 @@ def digests(folder: Path) -> list[str]:
     ]  # fmt: skip
     stack = read_stack("thesis-32in-mpf")
     for kind in (EYE, LAMPS):
-        cases.append((stack.elements(extruded), Source(kind, np.zeros(1), 0.5)))
+        cases.append((lower_stack(stack, extruded), Source(kind, np.zeros(1), 0.5)))
     found = []
     for elements, source in cases:
         radiance, flow = np.empty(2048), np.zeros(len(FLOWS) + len(elements))

@@ -11,10 +11,10 @@ from harness import (
     section_mesh,
     single_paths,
 )
+from oracle.tracer import Philox, ReferenceTracer
 
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.reference import Philox, ReferenceTracer
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
 

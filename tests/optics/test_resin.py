@@ -14,15 +14,15 @@ from harness import (
     within,
     write_facets,
 )
+from oracle.tracer import Philox, ReferenceTracer
 
+from mpfcad.optics.base.phase import phase_quantiles
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.mesh import read_film_mesh
-from mpfcad.optics.phase import phase_quantiles
-from mpfcad.optics.recorder import FLOWS
-from mpfcad.optics.reference import Philox, ReferenceTracer
-from mpfcad.optics.resin import Resin
+from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)

@@ -7,9 +7,9 @@ import pytest
 from harness import compiled, within
 from hypothesis import given
 from hypothesis import strategies as st
+from oracle.ray import Philox
 
-from mpfcad.optics import sampling
-from mpfcad.optics.reference_ray import Philox
+from mpfcad.optics.base import sampling
 
 disk, gaussian_pair, turn, uniform = map(
     compiled, (sampling.disk, sampling.gaussian_pair, sampling.turn, sampling.uniform)

@@ -20,6 +20,7 @@ from harness import (
     within,
     write_facets,
 )
+from oracle.ray import reflectance
 from scipy.integrate import quad
 
 from mpfcad.backlight import read_stack
@@ -27,11 +28,10 @@ from mpfcad.errors import InputError, TraceError
 from mpfcad.measure.rounds import light_film
 from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.mesh import FilmMesh, read_film_mesh
-from mpfcad.optics.reference_ray import reflectance
-from mpfcad.optics.resin import Resin
+from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
-from mpfcad.optics.section import build_section
+from mpfcad.optics.search.section_grid import build_section
+from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 LEANING = (np.array([-0.025, -0.012, 0.004, 0.025]), np.array([0.025, 0.003, 0.001, 0.025]))

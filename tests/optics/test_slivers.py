@@ -4,7 +4,7 @@ import manifold3d
 import numpy as np
 from harness import rays, through, write_facets
 
-from mpfcad.optics.mesh import read_film_mesh
+from mpfcad.optics.solid.mesh import read_film_mesh
 
 
 def test_no_ray_is_lost_on_the_slivers_of_a_union(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from harness import BARE, film_mesh, groove, within
 
 from mpfcad.backlight import read_stack
+from mpfcad.backlight.lower import lower_stack
 from mpfcad.measure import fit_harmonics
 from mpfcad.optics.engine import trace
 from mpfcad.optics.scene import build_scene
@@ -25,7 +26,7 @@ def curve(tmp_path_factory):
         folder = tmp_path_factory.mktemp("film")
         surface = BARE if curvature is None else groove(curvature, profile)
         stack = read_stack(name)
-        scene = build_scene(stack.elements(film_mesh(folder, [surface] * 20, base=0.2)))
+        scene = build_scene(lower_stack(stack, film_mesh(folder, [surface] * 20, base=0.2)))
         source = Source(
             EYE, POSITION * stack.lamp_pitch, stack["meter_spot_mm"], acceptance=stack.acceptance
         )
@@ -111,7 +112,7 @@ def test_luminance_is_mirror_symmetric_about_the_lamps(curve, case):
 
 def test_luminance_repeats_with_the_lamp_pitch(tmp_path):
     stack = read_stack("thesis-32in-conventional")
-    scene = build_scene(stack.elements(film_mesh(tmp_path, [BARE] * 20, base=0.2)))
+    scene = build_scene(lower_stack(stack, film_mesh(tmp_path, [BARE] * 20, base=0.2)))
     places = (0.25 + np.array([0.0, 1.0, -4.0])) * stack.lamp_pitch
     tally = trace(scene, Source(EYE, places, 1.0, acceptance=stack.acceptance), 60, seed=61)
     for i in (1, 2):

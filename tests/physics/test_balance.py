@@ -16,11 +16,12 @@ from harness import (
 )
 
 from mpfcad.backlight import read_stack
+from mpfcad.backlight.lower import lower_stack
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Film
 from mpfcad.optics.engine import BLOCK, trace
-from mpfcad.optics.mesh import FilmMesh
-from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.scene import build_scene
+from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, LAMPS, Source
 
 UP, DOWN, LOST, ROULETTE, IN_LAMPS, WALLS, RIM, FIRST = range(8)
@@ -35,7 +36,7 @@ SMOOTH = groove(60.0, chords=6)
 
 @pytest.mark.parametrize("name", FILMS)
 def test_light_in_is_light_out_and_absorbed(tmp_path, name):
-    elements = read_stack(name).elements(film_mesh(tmp_path, FILMS[name], base=0.2))
+    elements = lower_stack(read_stack(name), film_mesh(tmp_path, FILMS[name], base=0.2))
     tally = trace(build_scene(elements), Source(LAMPS, np.zeros(1), 0.0), 200, seed=51)
     flow = tally.fraction
     assert FLOWS == ("up", "down", "lost", "roulette", "lamps", "walls", "rim")
@@ -128,7 +129,7 @@ def test_the_energy_of_a_whole_panel_closes():
     mesh = panel(392.25, SMOOTH)
     given = {"extent": "panel", "lamp_3_luminance_factor": 0.5, "lamp_length_mm": 690.0}
     stack = read_stack("thesis-32in-mpf", overrides=given)
-    elements = stack.elements(mesh, -stack.lamp_position(stack.central_lamp))
+    elements = lower_stack(stack, mesh, -stack.lamp_position(stack.central_lamp))
     tally = trace(build_scene(elements), Source(LAMPS, np.zeros(1), 0.0), 150, seed=55)
     flow = tally.fraction
     assert flow.sum() == pytest.approx(1, abs=1e-12)

@@ -5,11 +5,11 @@ import pytest
 from harness import groove
 
 from mpfcad.cad import write_stl
-from mpfcad.cad.mesh import build_cross_section
+from mpfcad.cad.shape.mesh import build_cross_section
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.optics.engine import trace
-from mpfcad.optics.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.scene import Film, build_scene
+from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 from mpfcad.units import deg
 

@@ -22,9 +22,9 @@ from harness import (
 from independent import film_values
 from independent_pyramids import pyramid_values
 
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.element import Cavity, Film, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.recorder import FLOWS
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 

@@ -16,11 +16,11 @@ from harness import (
     within,
 )
 
+from mpfcad.optics.base.recorder import FLOW_LAMPS, FLOW_RIM, FLOW_UP
+from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.panel import Panel
-from mpfcad.optics.recorder import FLOW_LAMPS, FLOW_RIM, FLOW_UP
-from mpfcad.optics.resin import Resin
+from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
 
@@ -152,7 +152,8 @@ def test_an_ideal_diffuser_makes_any_light_lambertian():
 
 
 def test_the_lambertian_part_of_the_reflector_is_lambertian():
-    from mpfcad.optics import cavity, sampling
+    from mpfcad.optics.base import sampling
+    from mpfcad.optics.cavity.endless import endless as cavity
 
     reflector_direction = compiled(cavity.reflector_direction)
     rng = np.zeros(sampling.RNG_SIZE, np.uint64)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from harness import film_mesh, groove, within
+from oracle.ray import reflectance
 from scipy.integrate import quad
 
 from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.engine import trace
-from mpfcad.optics.reference_ray import reflectance
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 

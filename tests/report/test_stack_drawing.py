@@ -1,7 +1,7 @@
 """The drawing of a stack names its layers, however many, and where they lie."""
 
 from mpfcad.backlight import read_stack
-from mpfcad.report.stack_drawing import draw_stack
+from mpfcad.report.drawing.stack_drawing import draw_stack
 
 
 def test_layers_of_all_kinds_are_drawn_and_named(tmp_path):

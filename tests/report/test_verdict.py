@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpfcad.report import OUTCOMES, Gate, exit_code, worst_outcome
+from mpfcad.record import OUTCOMES, Gate, exit_code, worst_outcome
 
 
 def contrast(low, high):

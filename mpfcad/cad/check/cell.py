@@ -1,0 +1,79 @@
+"""Read the files of a film of cells back and compare them with its closed form."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad.check.mesh_check import (
+    MeshCheck,
+    angle_to_surface,
+    facet_area,
+    narrowest_side,
+    read_film_top,
+    refuse_above,
+)
+from mpfcad.film import CellFilm
+
+#: Largest relative error of the volume of a mesh (dishes at 5°: 6e-4 by their chords).
+VOLUME_TOLERANCE = 1e-3
+
+
+def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCheck:
+    """Return what the STL file at `path` holds, once it is found to be the film.
+
+    Raises
+    ------
+    ExportError
+        when it is not one closed body facing outward, or is off in volume, extent, height, or
+        facet normals (by more than `angle_tolerance` [rad] and what float32 forces).
+    """
+    path = Path(path)
+    facet, count, error = read_film_top(path, film, VOLUME_TOLERANCE)
+    area = facet_area(facet)
+    step = float(np.spacing(np.float32(max(film.size))))
+    steepest = film.groove.wall_slope + film.curvature * film.groove.half_width
+    height = float(np.abs(facet[..., 2] - film.height(facet[..., 0], facet[..., 1])).max())
+    refuse_above(path, "height error [mm]", height, (1 + steepest) * 2 * step)
+    middle = facet.mean(axis=1)
+    angle = angle_to_surface(*film.slope(middle[:, 0], middle[:, 1]), area)
+    allowed = angle_tolerance + 2 * step * (1 + steepest) / narrowest_side(facet, area)
+    worst = int(np.argmax(angle / allowed))
+    refuse_above(path, "normal error [rad]", float(angle[worst]), float(allowed[worst]))
+    return MeshCheck(
+        True,
+        error,
+        VOLUME_TOLERANCE,
+        float(np.sqrt(np.mean(angle**2))),
+        None,
+        None,
+        float(angle[worst]),
+        float(allowed[worst]),
+        height,
+        count,
+        _recover_curvature(film, facet, step),
+    )
+
+
+def _recover_curvature(
+    film: CellFilm, facet: NDArray[np.float64], step: float
+) -> NDArray[np.float64]:
+    """Return the cells' one C [1/mm], (1,), by least squares over the facets above bare walls.
+
+    On a curved face tip - z = C/2 (w² - t²) with t the distance from the nearer valley; of a dish
+    it is the sum of both directions.
+    """
+    w = film.groove.half_width
+    local = np.abs(film.local(facet[..., 0], facet[..., 1]))
+    if film.shape == "paraboloid":
+        room = np.sum(w**2 - local**2, axis=0)
+    else:
+        room = w**2 - np.min(local, axis=0) ** 2
+    if film.profile == "filled":
+        wall = film.base + film.groove.wall_slope * np.min(local, axis=0).mean(axis=1)
+        used = facet[..., 2].mean(axis=1) - wall > 4 * film.groove.wall_slope * step
+        room, facet = room[used], facet[used]
+    if not room.any():
+        return np.array([film.groove.curvature_empty])
+    drop = film.thickness - facet[..., 2]
+    return np.array([2 * np.sum(drop * room) / np.sum(room**2)])

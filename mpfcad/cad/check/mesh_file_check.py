@@ -1,0 +1,156 @@
+"""Read 3MF and PLY files back with lib3mf and trimesh, and compare them with their film."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad.check.mesh_check import refuse_above
+from mpfcad.cad.shape.mesh import mesh_contact, mesh_sliver
+from mpfcad.errors import ExportError
+from mpfcad.film import PrismFilm
+
+#: Largest error of a body's volume, as a share of the film's.
+VOLUME_TOLERANCE = 1e-4
+#: Largest distance [mm] between a corner and the film's surface: PLY holds doubles.
+HEIGHT_TOLERANCE = 1e-12
+#: Largest error of a normal's slope.
+NORMAL_TOLERANCE = 1e-9
+_NORMAL = ("nx", "ny", "nz")
+
+
+@dataclass(frozen=True)
+class BodyCheck:
+    """What a mesh file was found to hold: volume [mm³] and number of facets by the body's name."""
+
+    volume: dict[str, float]
+    triangle_count: dict[str, int]
+
+
+def check_3mf(path: Path, film: PrismFilm) -> BodyCheck:
+    """Return what the 3MF file at `path` holds, once it is found to be `film`.
+
+    Raises
+    ------
+    ExportError
+        when the unit is not mm, a body is missing or not closed, or a volume is off.
+    """
+    import lib3mf
+
+    path = Path(path)
+    model = lib3mf.Wrapper().CreateModel()
+    try:
+        model.QueryReader("3mf").ReadFromFile(str(path))
+    except lib3mf.ELib3MFException as error:
+        raise ExportError(f"{path.name}: lib3mf cannot read this file: {error}") from error
+    if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
+        raise ExportError(f"{path.name}: unit {model.GetUnit()}: must be mm")
+    bodies = _placed_meshes(path, model)
+    expected = _body_volumes(film)
+    if set(bodies) != set(expected):
+        raise ExportError(f"{path.name}: bodies {sorted(bodies)}: must be {sorted(expected)}")
+    volume, count = {}, {}
+    for name, mesh in bodies.items():
+        if not mesh.IsManifoldAndOriented():
+            raise ExportError(f"{path.name}: {name}: not closed and oriented")
+        points = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], float)
+        faces = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()])
+        count[name] = len(faces)
+        volume[name] = _volume(points, faces)
+        _check_volume(path, name, volume[name], expected[name], film)
+    return BodyCheck(volume, count)
+
+
+def _placed_meshes(path: Path, model: object) -> dict[str, object]:
+    """Return the mesh objects that the build's one assembly holds, each where it was drawn."""
+    items = model.GetBuildItems()
+    bodies = {}
+    while items.MoveNext():
+        assembly = items.GetCurrent().GetObjectResource()
+        for index in range(assembly.GetComponentCount()):
+            part = assembly.GetComponent(index)
+            place = np.array([list(row) for row in part.GetTransform().Fields])
+            if not np.array_equal(place, np.eye(4)[:, :3]):
+                raise ExportError(f"{path.name}: component {index} is not in its place")
+            bodies[part.GetObjectResource().GetName()] = model.GetMeshObjectByID(
+                part.GetObjectResource().GetResourceID()
+            )
+    return bodies
+
+
+def _body_volumes(film: PrismFilm) -> dict[str, float]:
+    """Return the volume [mm³] that each body should have, by name."""
+    if film.profile == "ideal":
+        return {"film": film.volume}
+    volumes = {"BEF": film.prism_volume}
+    return {**volumes, "fill": film.fill_volume} if np.any(mesh_contact(film) > 0) else volumes
+
+
+def check_ply(path: Path, film: PrismFilm) -> BodyCheck:
+    """Return what the PLY file at `path` holds, once it is found to be `film`.
+
+    Raises
+    ------
+    ExportError
+        when it is not closed, off in volume, or its corners or normals are not the film's.
+    """
+    import trimesh
+
+    path = Path(path)
+    try:
+        read = trimesh.load_mesh(path, process=False)
+    except Exception as error:
+        raise ExportError(f"{path.name}: trimesh cannot read this file: {error}") from error
+    # trimesh makes normals of its own; those of the file are among its raw columns.
+    column = read.metadata["_ply_raw"]["vertex"]["data"]
+    points, normals = (
+        np.stack([column[name] for name in names], 1) for names in (("x", "y", "z"), _NORMAL)
+    )
+    _, first, index = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    merged = trimesh.Trimesh(points[first], index.ravel()[read.faces], process=False)
+    if not (merged.is_watertight and merged.is_winding_consistent):
+        raise ExportError(f"{path.name}: not one closed surface")
+    _check_volume(path, "film", merged.volume, film.volume, film)
+    length = float(np.abs(np.linalg.norm(normals, axis=1) - 1).max())
+    refuse_above(path, "length of a normal", length, 1e-12)
+    top = normals[:, 2] > 0
+    _check_corners(path, film, points[top], normals[top])
+    return BodyCheck({"film": float(merged.volume)}, {"film": len(read.faces)})
+
+
+def _check_corners(path: Path, film: PrismFilm, points: NDArray, normals: NDArray) -> None:
+    """Refuse corners off the surface, and normals that are not the surface's."""
+    off = float(np.abs(points[:, 2] - film.height(points[:, 0])).max())
+    limit = HEIGHT_TOLERANCE + _merged_height(film)
+    refuse_above(path, "height error [mm]", off, limit)
+    # Either neighbour's slope, for a corner on a kink.
+    best = np.full(len(points), np.inf)
+    for groove in (-1e-9, 1e-9):
+        index = np.clip(
+            ((points[:, 0] + groove) / film.groove.pitch).astype(int), 0, film.groove_count - 1
+        )
+        local = points[:, 0] - film.groove_position[index]
+        slopes = [film.curvature[index] * local]
+        slopes += [sign * film.groove.wall_slope * np.ones_like(local) for sign in (-1, 1)]
+        for slope in slopes:
+            best = np.minimum(best, np.abs(normals[:, 0] / normals[:, 2] + slope))
+    refuse_above(path, "slope of a normal", float(best.max()), NORMAL_TOLERANCE)
+
+
+def _merged_height(film: PrismFilm) -> float:
+    """Return how far [mm] merging parts narrower than a sliver moves the surface."""
+    contact = film.groove.contact_position(film.curvature)
+    merged = (contact != mesh_contact(film)) & (film.profile == "filled")
+    return mesh_sliver(film) * film.groove.wall_slope if merged.any() else 0.0
+
+
+def _volume(points: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
+    a, b, c = np.moveaxis((points - points.mean(axis=0))[faces], 1, 0)
+    return float(np.sum(a * np.cross(b, c)) / 6)
+
+
+def _check_volume(path: Path, name: str, found: float, wanted: float, film: PrismFilm) -> None:
+    error = abs(found - wanted) / film.volume
+    if not error <= VOLUME_TOLERANCE:
+        raise ExportError(f"{path.name}: {name}: volume {found:.6g} mm³: must be {wanted:.6g} mm³")

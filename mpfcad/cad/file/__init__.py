@@ -1,0 +1,1 @@
+"""Facets and sections to files: STL, PLY, 3MF, DXF, height maps."""

@@ -1,0 +1,1 @@
+"""The film as exact solids in STEP."""

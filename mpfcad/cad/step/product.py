@@ -1,0 +1,98 @@
+"""Products, assembly and colours of a STEP file: what makes solids into named, coloured parts."""
+
+from mpfcad.cad.step.file import StepFile, text
+
+#: Product structure as AP214 (ISO 10303-214) has it.
+SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
+#: The distance [mm] below which readers shall take two corners for one.
+UNCERTAINTY = "1.E-07"
+#: A body's colour: red, green, blue; 0…1.
+Colour = tuple[float, float, float]
+
+
+class Products:
+    """The products of one file, all in one frame in mm."""
+
+    def __init__(self, file: StepFile) -> None:
+        self.file = file
+        self.application = file.add(
+            "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
+        )
+        file.add(
+            "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,"
+            f"{self.application})"
+        )
+        self.context = self._context()
+        z, x = file.direction(0, 0, 1), file.direction(1, 0, 0)
+        self.origin = file.axes(file.point(0, 0, 0), z, x)
+
+    def part(self, name: str, solids: list[str], colour: Colour) -> tuple[str, str]:
+        """Add a product of solids; return its definition and its shape."""
+        items = ",".join([self.origin, *solids])
+        shape = self.file.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('',({items}),{self.context})")
+        self._colour(solids, colour)
+        return self._product(name, shape), shape
+
+    def assembly(self, name: str, parts: dict[str, tuple[str, str]]) -> None:
+        """Add a product that holds each part once, where it was drawn."""
+        file = self.file
+        shape = file.add(f"SHAPE_REPRESENTATION('',({self.origin}),{self.context})")
+        whole = self._product(name, shape)
+        place = file.add(f"ITEM_DEFINED_TRANSFORMATION('','',{self.origin},{self.origin})")
+        for number, (part, (definition, part_shape)) in enumerate(parts.items(), 1):
+            use = file.add(
+                f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{number}',{text(part)},'',{whole},{definition},$)"
+            )
+            shape_of_use = file.add(f"PRODUCT_DEFINITION_SHAPE('Placement',$,{use})")
+            relation = file.add(
+                f"(REPRESENTATION_RELATIONSHIP('','',{part_shape},{shape})"
+                f"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION({place})"
+                "SHAPE_REPRESENTATION_RELATIONSHIP())"
+            )
+            file.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape_of_use})")
+
+    def _context(self) -> str:
+        add = self.file.add
+        length = add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
+        angle = add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
+        solid_angle = add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
+        closeness = add(
+            f"UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({UNCERTAINTY}),{length},"
+            "'distance_accuracy_value','corners closer than this are one')"
+        )
+        return add(
+            "(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
+            f"GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({closeness}))"
+            f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid_angle}))"
+            "REPRESENTATION_CONTEXT('','3D'))"
+        )
+
+    def _product(self, name: str, shape: str) -> str:
+        """Return the definition of a new product with this shape."""
+        file = self.file
+        frame = file.share("PRODUCT_CONTEXT", self.application, "'mechanical'")
+        product = file.add(f"PRODUCT({text(name)},{text(name)},'',({frame}))")
+        file.add(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))")
+        version = file.add(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
+        stage = file.add(
+            f"PRODUCT_DEFINITION_CONTEXT('part definition',{self.application},'design')"
+        )
+        definition = file.add(f"PRODUCT_DEFINITION('design','',{version},{stage})")
+        drawn = file.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
+        file.add(f"SHAPE_DEFINITION_REPRESENTATION({drawn},{shape})")
+        return definition
+
+    def _colour(self, solids: list[str], colour: Colour) -> None:
+        add = self.file.add
+        rgb = add(f"COLOUR_RGB('',{','.join(f'{part:.6f}' for part in colour)})")
+        inside = add(f"FILL_AREA_STYLE_COLOUR('',{rgb})")
+        area = add(f"FILL_AREA_STYLE('',({inside}))")
+        face = add(f"SURFACE_STYLE_FILL_AREA({area})")
+        side = add(f"SURFACE_SIDE_STYLE('',({face}))")
+        usage = add(f"SURFACE_STYLE_USAGE(.BOTH.,{side})")
+        style = add(f"PRESENTATION_STYLE_ASSIGNMENT(({usage}))")
+        styled = [add(f"STYLED_ITEM('',({style}),{solid})") for solid in solids]
+        add(
+            "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',"
+            f"({','.join(styled)}),{self.context})"
+        )

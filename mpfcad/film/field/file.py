@@ -1,0 +1,92 @@
+"""Curvature fields on disk: an NPZ of two positions and a table."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.curvature.map import find_bad_curvature
+from mpfcad.film.field.field import CurvatureField
+from mpfcad.film.groove import Groove, Profile
+
+FIELD_ARRAYS = ("position_across_mm", "position_along_mm", "curvature_per_mm")
+
+
+def is_field_file(path: Path) -> bool:
+    """Return whether a file is an NPZ with the three arrays of a field."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return FIELD_ARRAYS[0] in arrays
+    except (OSError, ValueError, zipfile.BadZipFile, AttributeError, TypeError):
+        return False
+
+
+def read_curvature_field(
+    path: Path, *, profile: Profile, groove: Groove, panel_width: float, panel_length: float
+) -> CurvatureField:
+    """Read a field from an NPZ of position_across_mm, position_along_mm, curvature_per_mm.
+
+    The table has one row a position along and one column a position across, and has to cover the
+    panel [mm]; one groove pitch may lack at either end.
+
+    Raises
+    ------
+    InputError
+        one line with file, array, entry, value and allowed range.
+    """
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            missing = [name for name in FIELD_ARRAYS if name not in arrays]
+            if missing:
+                there = ", ".join(arrays.files)
+                raise InputError(f"{path}: array {missing[0]} missing among {there}: allowed all 3")
+            across, along, curvature = (np.array(arrays[name]) for name in FIELD_ARRAYS)
+    except (OSError, ValueError, zipfile.BadZipFile):
+        raise InputError(f"{path}: not an NPZ file of plain number arrays") from None
+    for name, values, dimension in zip(
+        FIELD_ARRAYS, (across, along, curvature), (1, 1, 2), strict=True
+    ):
+        if values.ndim != dimension or values.dtype.kind not in "iuf":
+            raise InputError(
+                f"{path}: array {name}: {values.dtype} of shape {values.shape}: "
+                f"allowed numbers in {dimension} dimension{'s' * (dimension > 1)}"
+            )
+    if curvature.shape != (len(along), len(across)):
+        raise InputError(
+            f"{path}: array {FIELD_ARRAYS[2]}: shape {curvature.shape}: allowed "
+            f"{(len(along), len(across))}, along by across"
+        )
+    _check_position(path, FIELD_ARRAYS[0], across, panel_width, groove.pitch)
+    _check_position(path, FIELD_ARRAYS[1], along, panel_length, groove.pitch)
+    trouble = find_bad_curvature(curvature.astype(float).ravel(), groove, profile)
+    if trouble:
+        row, column = divmod(trouble[0], len(across))
+        raise InputError(
+            f"{path}: {FIELD_ARRAYS[2]}[{row}, {column}] (counted from 0): {trouble[1]}"
+        )
+    return CurvatureField(across, along, curvature)
+
+
+def write_curvature_field(path: Path, field: CurvatureField) -> None:
+    """Write a field so that it reads back bit for bit; same field, same bytes."""
+    arrays = (field.across, field.along, field.curvature)
+    np.savez(path, **dict(zip(FIELD_ARRAYS, arrays, strict=True)))
+
+
+def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: float) -> None:
+    """Refuse positions that do not increase or do not cover 0 … end [mm]."""
+    if len(x) < 2:
+        raise InputError(f"{path}: array {name}: {len(x)} values: allowed 2 or more")
+    bad = np.flatnonzero(~np.isfinite(x) | (np.diff(x, prepend=-np.inf) <= 0))
+    if bad.size:
+        raise InputError(
+            f"{path}: {name}[{bad[0]}] (counted from 0): {x[bad[0]]:g}: "
+            f"allowed finite and increasing"
+        )
+    if x[0] > tolerance or x[-1] < end - tolerance * (1 + 1e-9):
+        raise InputError(
+            f"{path}: array {name}: {x[0]:g} … {x[-1]:g}: allowed to cover 0 … {end:.10g} mm"
+        )

@@ -1,0 +1,1 @@
+"""Stylus traces: read, and the curvature and fill fitted to them."""

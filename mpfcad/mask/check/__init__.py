@@ -1,0 +1,1 @@
+"""Mask files read back and checked: ratios, design rules, markers, preview."""

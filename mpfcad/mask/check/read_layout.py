@@ -1,0 +1,173 @@
+"""GDSII and DXF read with klayout: arrays of references stay arrays.
+
+An aperture is a cell that holds one rectangle; a tile is a cell of such references.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mpfcad.errors import ExportError
+from mpfcad.mask.array import ApertureArray, Placement
+from mpfcad.mask.check.found import Box, FoundMask, read_polarity
+from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, OUTLINE, TEXT
+from mpfcad.mask.rule import GRID
+from mpfcad.units import mm, um
+
+if TYPE_CHECKING:
+    import klayout.db as kdb
+
+#: Database unit of a mask file [µm].
+DATABASE_UNIT = GRID / um
+
+
+def open_layout(path: Path) -> "kdb.Layout":
+    """Return a layout file as klayout reads it, its arrays kept.
+
+    Raises
+    ------
+    ExportError
+        when it cannot be read or is not on the 1 nm grid.
+    """
+    import klayout.db as kdb
+
+    options = kdb.LoadLayoutOptions()
+    options.dxf_unit = mm / um
+    options.dxf_dbu = DATABASE_UNIT
+    layout = kdb.Layout(False)
+    try:
+        layout.read(str(path), options)
+        top = layout.top_cell()
+    except RuntimeError as error:
+        raise ExportError(f"{path}: not a readable mask: {' '.join(str(error).split())}") from None
+    if top is None or abs(layout.dbu - DATABASE_UNIT) > 1e-12:
+        raise ExportError(f"{path}: database unit {layout.dbu:g} µm: wanted {DATABASE_UNIT:g}")
+    return layout
+
+
+def read_layout(path: Path) -> FoundMask:
+    """Return what a GDSII or DXF file holds.
+
+    Raises
+    ------
+    ExportError
+        when it holds anything else than a mask does.
+    """
+    layout = open_layout(path)
+    text = _texts(layout)
+    return FoundMask(
+        outline=read_outline(path, layout),
+        unit=layout.dbu,
+        text=text,
+        fiducials=_boxes(layout, FIDUCIAL),
+        coupon=tuple(_arrays(path, layout, COUPON)),
+        drawn=read_polarity(path, text),
+        arrays=lambda: _arrays(path, layout, APERTURE),
+        window=lambda box: layout_window(layout, box),
+    )
+
+
+def layout_window(layout: "kdb.Layout", box: Box) -> "kdb.Region":
+    """Return the apertures that touch a box, each whole."""
+    import klayout.db as kdb
+
+    layer = layout.find_layer(APERTURE, 0)
+    if layer is None:
+        return kdb.Region()
+    shapes = layout.top_cell().begin_shapes_rec_touching(layer, kdb.Box(*box))
+    return kdb.Region(shapes).flatten()
+
+
+def read_outline(path: Path, layout: "kdb.Layout") -> Box:
+    """Return the one rectangle on the outline's layer."""
+    layer = layout.find_layer(OUTLINE, 0)
+    shapes = [] if layer is None else list(layout.top_cell().shapes(layer).each())
+    boxes = [_rectangle(shape) for shape in shapes]
+    if len(boxes) != 1 or boxes[0] is None:
+        raise ExportError(f"{path}: layer {OUTLINE}/0: wanted one rectangle, the panel's outline")
+    box = boxes[0]
+    return box.left, box.bottom, box.right, box.top
+
+
+def _rectangle(shape: "kdb.Shape") -> "kdb.Box | None":
+    """Return a shape as a rectangle; None when it is none."""
+    if shape.is_box():
+        return shape.box
+    return shape.polygon.bbox() if shape.is_polygon() and shape.polygon.is_box() else None
+
+
+def _boxes(layout: "kdb.Layout", number: int) -> tuple[Box, ...]:
+    layer = layout.find_layer(number, 0)
+    if layer is None:
+        return ()
+    found = []
+    shapes = layout.top_cell().begin_shapes_rec(layer)
+    for shape in shapes.each():
+        box = shape.shape().bbox().transformed(shape.trans())
+        found.append((box.left, box.bottom, box.right, box.top))
+    return tuple(found)
+
+
+def _texts(layout: "kdb.Layout") -> tuple[str, ...]:
+    layer = layout.find_layer(TEXT, 0)
+    shapes = [] if layer is None else layout.top_cell().shapes(layer).each()
+    return tuple(shape.text_string for shape in shapes if shape.is_text())
+
+
+def _arrays(path: Path, layout: "kdb.Layout", number: int) -> Iterator[ApertureArray]:
+    """Yield what stands on a layer: shapes of the top cell, references, and tiles of references."""
+    layer = layout.find_layer(number, 0)
+    if layer is not None:
+        for x, y, array in _cell_arrays(path, layout, layout.top_cell(), layer):
+            place = array.place
+            origin = (place.origin[0] + x, place.origin[1] + y)
+            steps = (place.column_step, place.row_step)
+            yield ApertureArray(array.shape, Placement(origin, place.columns, place.rows, *steps))
+
+
+def _cell_arrays(
+    path: Path, layout: "kdb.Layout", cell: "kdb.Cell", layer: int
+) -> Iterator[tuple[int, int, ApertureArray]]:
+    """Yield where a cell's arrays are moved to, and the arrays."""
+    for shape in cell.shapes(layer).each():
+        box = _box(path, cell, shape)
+        yield box.left, box.bottom, ApertureArray((box.width(), box.height()), Placement((0, 0)))
+    inner: dict[int, list[tuple[int, int, ApertureArray]]] = {}
+    for instance in cell.each_inst():
+        index = instance.cell_index
+        if index not in inner:
+            inner[index] = list(_cell_arrays(path, layout, layout.cell(index), layer))
+        place = _placement(path, instance) if inner[index] else None
+        for x, y, array in inner[index]:
+            if layout.cell(index).is_leaf():
+                yield x, y, ApertureArray(array.shape, place)
+            else:  # a tile
+                for a, b in place.positions():
+                    yield x + int(a), y + int(b), array
+
+
+def _box(path: Path, cell: "kdb.Cell", shape: "kdb.Shape") -> "kdb.Box":
+    box = _rectangle(shape)
+    if box is None:
+        raise ExportError(f"{path}: cell {cell.name}: an aperture that is no rectangle")
+    return box
+
+
+def _placement(path: Path, instance: "kdb.Instance") -> Placement:
+    """Return the places of an upright reference, or array of references."""
+    trans = instance.trans
+    if instance.is_complex() or trans.rot != 0:
+        raise ExportError(f"{path}: cell {instance.cell.name}: turned or scaled")
+    columns, step_x, rows, step_y = 1, 0, 1, 0
+    for count, step in ((instance.na, instance.a), (instance.nb, instance.b)):
+        if count <= 1:
+            continue
+        if step.x and not step.y and columns == 1:
+            columns, step_x = count, step.x
+        elif step.y and not step.x and rows == 1:
+            rows, step_y = count, step.y
+        else:
+            raise ExportError(f"{path}: cell {instance.cell.name}: an oblique array")
+    x = trans.disp.x + min(0, (columns - 1) * step_x)
+    y = trans.disp.y + min(0, (rows - 1) * step_y)
+    return Placement((x, y), columns, rows, (abs(step_x), 0), (0, abs(step_y)))

@@ -1,0 +1,142 @@
+"""SVG read again with an XML reader: its patterns become arrays."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+from mpfcad.errors import ExportError
+from mpfcad.mask.array import ApertureArray, Placement
+from mpfcad.mask.check.found import Box, FoundMask, read_polarity, region_of
+from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, LAYERS, OUTLINE
+from mpfcad.mask.rule import GRID
+from mpfcad.units import um
+
+#: How far a coordinate may be from the grid: rounding of a decimal [grid steps].
+OFF_GRID = 1e-3
+_SVG = "{http://www.w3.org/2000/svg}"
+_FILL = re.compile(r"url\(#(\w+)\)")
+
+
+def read_svg(path: Path) -> FoundMask:
+    """Return what an SVG file holds.
+
+    Raises
+    ------
+    ExportError
+        when it holds anything else than a mask does.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise ExportError(f"{path}: not a readable mask: {error}") from None
+    try:
+        return _find(path, root)
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        raise ExportError(f"{path}: no element of a mask: {error!r}") from None
+
+
+def _find(path: Path, root: ElementTree.Element) -> FoundMask:
+    if root.tag != f"{_SVG}svg":
+        raise ExportError(f"{path}: not a readable mask: {root.tag}")
+    scale = float(root.attrib["width"].removesuffix("mm")) / float(
+        root.attrib["viewBox"].split()[2]
+    )
+    if abs(scale - 1) > 1e-9:
+        raise ExportError(f"{path}: one unit is {scale:g} mm: wanted 1")
+    text = tuple(root.find(f"{_SVG}{tag}").text for tag in ("title", "desc"))
+    groups: dict[str, list[ElementTree.Element]] = {}
+    body = root.find(f"{_SVG}g")
+    for group in body.findall(f"{_SVG}g"):
+        groups.setdefault(group.get("class") or group.get("id"), []).append(group)
+    tiles = {group.attrib["id"]: group for group in body.iterfind(f"{_SVG}defs/{_SVG}g")}
+    polarity = read_polarity(path, text)
+    if (polarity == "closed") != ("closed" in groups):
+        raise ExportError(f"{path}: text: 'drawn = {polarity}' is not what is painted")
+    ink = "#fff" if polarity == "closed" else "#000"
+    if any(group.get("fill", ink) != ink for group in groups.get(LAYERS[APERTURE], ())):
+        raise ExportError(f"{path}: an aperture that is painted with wrong polarity")
+
+    def arrays(layer: int = APERTURE) -> Iterator[ApertureArray]:
+        for group in groups.get(LAYERS[layer], ()):
+            yield from _arrays(path, group, tiles)
+
+    apertures = tuple(arrays())
+    crosses = (p for group in groups.get(LAYERS[FIDUCIAL], ()) for p in group)
+    return FoundMask(
+        outline=_box(groups[LAYERS[OUTLINE]][0][0]),
+        unit=GRID / um,
+        text=text,
+        fiducials=tuple(_polygon_box(cross.attrib["points"]) for cross in crosses),
+        coupon=tuple(arrays(COUPON)),
+        drawn="open",
+        arrays=lambda: iter(apertures),
+        window=lambda box: region_of(iter(apertures), box),
+    )
+
+
+def _arrays(
+    path: Path, group: ElementTree.Element, tiles: dict[str, ElementTree.Element]
+) -> Iterator[ApertureArray]:
+    pattern: ElementTree.Element | None = None
+    for element in group:
+        if element.tag == f"{_SVG}pattern":
+            pattern = element
+        elif element.tag == f"{_SVG}use":
+            x, y = _steps(element.attrib["x"]), _steps(element.attrib["y"])
+            for shape in tiles[element.attrib["href"].removeprefix("#")]:
+                yield _array(_box(shape), (x, y))
+        elif element.tag == f"{_SVG}rect" and "fill" in element.attrib:
+            yield from _tiled(path, element, pattern)
+        elif element.tag == f"{_SVG}rect":
+            yield _array(_box(element), (0, 0))
+        elif element.tag != f"{_SVG}polygon" or group.get("class") == LAYERS[APERTURE]:
+            raise ExportError(f"{path}: {element.tag.removeprefix(_SVG)}: no aperture")
+
+
+def _tiled(
+    path: Path, element: ElementTree.Element, pattern: ElementTree.Element | None
+) -> Iterator[ApertureArray]:
+    """Yield the arrays of a rectangle that is filled with a pattern."""
+    name = _FILL.fullmatch(element.attrib["fill"])[1]
+    tile, box = _box(pattern), _box(element)
+    step = tile[3] - tile[1]
+    rows = (box[3] - box[1]) // step
+    whole = (tile[0], tile[1], tile[2], tile[1] + rows * step)
+    if pattern.get("id") != name or pattern.get("patternUnits") != "userSpaceOnUse" or box != whole:
+        raise ExportError(f"{path}: pattern {name}: does not fill its rectangle with whole tiles")
+    for shape in pattern:
+        inner = _box(shape)
+        if inner[0] < 0 or inner[1] < 0 or inner[2] > tile[2] - tile[0] or inner[3] > step:
+            raise ExportError(f"{path}: pattern {name}: an aperture is cut at the tile's edge")
+        yield _array(inner, (tile[0], tile[1]), rows, step)
+
+
+def _array(box: Box, by: tuple[int, int], rows: int = 1, step: int = 0) -> ApertureArray:
+    place = Placement((box[0] + by[0], box[1] + by[1]), rows=rows, row_step=(0, step))
+    return ApertureArray((box[2] - box[0], box[3] - box[1]), place)
+
+
+def _box(element: ElementTree.Element) -> Box:
+    x, y, width, height = (_steps(element.attrib[k]) for k in ("x", "y", "width", "height"))
+    return x, y, x + width, y + height
+
+
+def _polygon_box(points: str) -> Box:
+    corners = [tuple(map(_steps, corner.split(","))) for corner in points.split()]
+    x, y = zip(*corners, strict=True)
+    return min(x), min(y), max(x), max(y)
+
+
+def _steps(text: str) -> int:
+    """Return a length in mm as grid steps.
+
+    Raises
+    ------
+    ValueError
+        when it is off the grid.
+    """
+    steps = float(text) / GRID
+    if abs(steps - round(steps)) > OFF_GRID:
+        raise ValueError(f"{text}: off the 1 nm grid")
+    return round(steps)

@@ -1,0 +1,42 @@
+"""Arrays taken apart as far as a format needs: tiles to arrays, lattices to single columns."""
+
+from collections.abc import Iterable, Iterator
+
+from mpfcad.mask.array import ApertureArray, Placement
+from mpfcad.mask.format.drawing import Drawing
+
+
+def flat_tiles(drawing: Drawing) -> Iterator[ApertureArray]:
+    """Yield the arrays of every tile at each of its places."""
+    for placed in drawing.tiles:
+        for at in placed.place.positions():
+            for array in placed.tile.arrays:
+                yield ApertureArray(array.shape, shift(array.place, at))
+
+
+def shift(place: Placement, by: Iterable[int]) -> Placement:
+    """Return a placement moved by (x, y)."""
+    origin = tuple(int(a + b) for a, b in zip(place.origin, by, strict=True))
+    steps = (place.column_step, place.row_step)
+    return Placement(origin, place.columns, place.rows, *steps, place.offset)
+
+
+def columns_of(arrays: Iterable[ApertureArray]) -> Iterator[ApertureArray]:
+    """Yield arrays of one column, and everything else one by one."""
+    for array in arrays:
+        place = array.place
+        if place.offset is None and place.row_step[0] == 0:
+            for i in range(place.columns):
+                x = place.origin[0] + i * place.column_step[0]
+                y = place.origin[1] + i * place.column_step[1]
+                step = place.row_step if place.rows > 1 else (0, 0)
+                yield ApertureArray(array.shape, Placement((x, y), rows=place.rows, row_step=step))
+        else:
+            for x, y in place.positions():
+                yield ApertureArray(array.shape, Placement((int(x), int(y))))
+
+
+def flat_columns(drawing: Drawing) -> Iterator[ApertureArray]:
+    """Yield every aperture of a drawing as columns."""
+    yield from columns_of(drawing.arrays)
+    yield from columns_of(flat_tiles(drawing))

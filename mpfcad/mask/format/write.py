@@ -1,0 +1,95 @@
+"""A mask to a file: one writer a suffix; the file takes its name only when it is whole."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from mpfcad.errors import ExportError, InputError
+from mpfcad.mask.aperture import Mask
+from mpfcad.mask.format.drawing import Drawing, draw
+from mpfcad.mask.format.dxf import write_dxf
+from mpfcad.mask.format.gdsii import write_gdsii
+from mpfcad.mask.format.gerber import write_gerber
+from mpfcad.mask.format.oasis import write_oasis
+from mpfcad.mask.format.svg import write_svg
+from mpfcad.mask.format.tiff import write_tiff
+from mpfcad.mask.phototool import Phototool
+from mpfcad.mask.whole import whole_file
+
+#: A file in which places stand one by one must not get larger than this [bytes].
+LARGEST_FILE = 256 * 1024**2
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a format is written.
+
+    Attributes
+    ----------
+    title
+        its name
+    write
+        writes a drawing to a path
+    paints
+        whether open can be drawn on closed
+    place_size
+        bytes that a place takes which is not part of a lattice
+    closes
+        whether polarity `closed` is offered
+    """
+
+    title: str
+    write: Callable[[Drawing, Path], None]
+    paints: bool
+    place_size: float
+    closes: bool = True
+
+
+#: Suffix -> format.
+FORMATS = {
+    "oas": Format("OASIS", write_oasis, False, 2),
+    "gds": Format("GDSII", write_gdsii, False, 56),
+    "dxf": Format("DXF R12", write_dxf, False, 120, closes=False),
+    "gbr": Format("Gerber RS-274X", write_gerber, True, 24),
+    "svg": Format("SVG", write_svg, True, 40),
+    "tif": Format("TIFF", write_tiff, True, 24),
+}
+
+
+def write_mask(mask: Mask, path: Path, phototool: Phototool | None = None) -> None:
+    """Write the mask to `path`; its suffix says in which format.
+
+    Raises
+    ------
+    InputError
+        for another suffix, or a mask that the format cannot hold.
+    ExportError
+        when the disk does not take the file; there is then none of that name.
+    """
+    path = Path(path)
+    style = FORMATS.get(path.suffix.removeprefix("."))
+    if style is None:
+        known = ", ".join(f".{suffix}" for suffix in FORMATS)
+        raise InputError(f"{path}: mask format {path.suffix!r}: allowed {known}")
+    if not style.closes and phototool is not None and phototool.polarity == "closed":
+        raise InputError(f"{path}: mask.polarity: closed: allowed oas, gds, gbr, svg, tif")
+    drawing = draw(mask, phototool or Phototool(), paints=style.paints)
+    _check_size(path, style, drawing)
+    try:
+        with whole_file(path) as part:
+            style.write(drawing, part)
+    except OSError as error:
+        raise ExportError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def _check_size(path: Path, style: Format, drawing: Drawing) -> None:
+    """Refuse a mask that would be absurdly large."""
+    count = 0
+    for array in (*drawing.tiles, *(() if style.title == "OASIS" else drawing.arrays)):
+        listed = array.place.offset is not None
+        count += array.place.count if listed else 1
+        if count * style.place_size > LARGEST_FILE:
+            raise InputError(
+                f"{path}: {style.title} lists apertures one by one: over "
+                f"{LARGEST_FILE / 1024**2:.0f} MiB: allowed oas for this pattern"
+            )

@@ -1,0 +1,1 @@
+"""Luminance over direction: cuts, viewing angles, conoscope."""

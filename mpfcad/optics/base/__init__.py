@@ -1,0 +1,1 @@
+"""What all kernels rest on: compiling, lanes, random numbers, Fresnel, phases, tallies."""

@@ -1,0 +1,1 @@
+"""BSDF tables: files of all formats read and written, and a passage through a tabled sheet."""

@@ -1,0 +1,1 @@
+"""The lamps' cavity, endless or finite, and what the lamps give directly."""

@@ -1,0 +1,142 @@
+"""Ways of many rays through an endless cavity of lamps, eight at a time: those of `passage`."""
+
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import LANES, any_of, root, select, spread
+from mpfcad.optics.base.lanes_array import load, load_lines, store, store_lines
+from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_ROULETTE
+from mpfcad.optics.base.sampling import disk_point, frame
+from mpfcad.optics.base.sampling_lanes import next_two, take
+from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light
+from mpfcad.optics.cavity.endless import (
+    HEIGHT,
+    LAMP_HEIGHT,
+    LAMP_LUMINANCE,
+    LAMP_PITCH,
+    LAMP_POSITION,
+    LAMP_RADIUS,
+    LAMP_REFLECTANCE,
+    NO_LAMP,
+    REFLECTANCE,
+    SPECULAR_FRACTION,
+    lamp_hit,
+)
+
+_ROULETTE_BELOW = 0.1
+_MOST_MEETINGS = 1_000_000
+_FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST = range(5)
+
+
+@kernel
+def cavity_passages(cavity, slots, wave, sums):
+    """Follow the rays of up to eight slots, which come from above, through an endless cavity.
+
+    `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went.
+    """
+    place, rng = wave.lane_place, wave.lane_rng
+    for i in range(LANES):
+        # Lanes without a slot repeat the first one.
+        slot = slots[i if i < len(slots) else 0]
+        store(place, i, load(wave.place, slot))
+        store(rng, i, load(wave.rng, slot))
+        place[i, 6] = wave.weight[slot]
+    weight = _follow(cavity, place, rng, wave.lane_flow)
+    store(wave.lane_weight, 0, weight)
+    for i in range(len(slots)):
+        slot = slots[i]
+        store(wave.place, slot, load(place, i))
+        store(wave.rng, slot, load(rng, i))
+        wave.weight[slot] = wave.lane_weight[0, i]
+        wave.way[slot] = 1
+        flow = wave.lane_flow
+        wave.radiance[slot] += flow[i, _FOUND]
+        sums[FLOW_LAMPS] += flow[i, _LAMPS]
+        sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
+        sums[FLOW_ROULETTE] += flow[i, _ROULETTE]
+        sums[FLOW_LOST] += flow[i, _LOST]
+
+
+@kernel
+def _follow(cavity, place, rng, flow):
+    """Follow eight rays until all have left; return their weights, and put the rest into flow."""
+    top, luminance = cavity[HEIGHT], cavity[LAMP_LUMINANCE]
+    height, radius = cavity[LAMP_HEIGHT], cavity[LAMP_RADIUS]
+    specular = cavity[SPECULAR_FRACTION]
+    x, y, _, dx, dy, dz, weight, _ = load_lines(place)
+    key0, key1, path0, path1, stream, draw, spare, unused = load_lines(rng)
+    has = unused != 0
+    z = spread(top)
+    zero = spread(0.0)
+    own = spread(1.0 * NO_LAMP)
+    first, last = spread(1.0 * NONE_COUNTED[0]), spread(1.0 * NONE_COUNTED[1])
+    found, to_lamps, to_element, to_roulette, lost = zero, zero, zero, zero, zero
+    alive = weight > 0.0
+    for _ in range(_MOST_MEETINGS):
+        if not any_of(alive):
+            break
+        distance, centre, number = lamp_hit(
+            x, z, dx, dz, cavity[LAMP_PITCH], cavity[LAMP_POSITION], height, radius, own
+        )
+        up, down = alive & (dz > 0.0), alive & (dz < 0.0)
+        plane = (select(dz > 0.0, top, 0.0) - z) / dz
+        lamp = alive & ((distance < plane) | ((up | down) ^ True)) & (distance < 1e300)
+        floor = down & (lamp ^ True)
+        stuck = alive & ((up | down | lamp) ^ True)
+        step = select(lamp, distance, select(up | down, plane, 0.0))
+        x, y = x + step * dx, y + step * dy
+        z = select(floor, 0.0, select(lamp, z + step * dz, z))
+        alive = lamp | floor
+        if not any_of(alive):
+            lost = lost + select(stuck, weight, 0.0)
+            weight = select(stuck, 0.0, weight)
+            break
+        # Weight and light found.
+        fresh = lamp & (((number >= first) & (number <= last)) ^ True)
+        found = found + select(fresh, weight * luminance, 0.0)
+        to_lamps = to_lamps + select(lamp, weight * (1.0 - cavity[LAMP_REFLECTANCE]), 0.0)
+        kept = weight * select(
+            lamp, cavity[LAMP_REFLECTANCE], select(floor, cavity[REFLECTANCE], 1.0)
+        )
+        to_element = to_element + select(floor, weight - kept, 0.0)
+        weight = kept
+        first, last = (
+            select(lamp, 1.0 * NONE_COUNTED[0], first),
+            select(lamp, 1.0 * NONE_COUNTED[1], last),
+        )
+        if luminance > 0.0:
+            share, nearest = direct_light(cavity, x, dx, dz)
+            found = found + select(floor, weight * share * luminance, 0.0)
+            first, last = select(floor, nearest - 1.0, first), select(floor, nearest + 1.0, last)
+        # The direction after: about the lamp's normal, Lambertian or mirrored.
+        one, two, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+        mirrored = floor & (one < specular)
+        diffuse = floor & (mirrored ^ True)
+        draw, spare, has = take(draw, spare, has, aft, mirrored, lamp | diffuse)
+        first = select(mirrored, 1.0 * ALL_COUNTED[0], first)
+        last = select(mirrored, 1.0 * ALL_COUNTED[1], last)
+        three, four, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+        px, py = disk_point(select(lamp, one, two), select(lamp, two, three))
+        rest = 1.0 - px * px - py * py
+        pz = root(select(rest > 0.0, rest, 0.0))
+        if any_of(lamp):
+            nx, nz = (x - centre) / radius, (z - height) / radius
+            lx, ly, lz = frame(nx, zero, nz, px, py, pz)
+            px, py, pz = select(lamp, lx, px), select(lamp, ly, py), select(lamp, lz, pz)
+        turned = lamp | diffuse
+        dx, dy = select(turned, px, dx), select(turned, py, dy)
+        dz = select(turned, pz, select(mirrored, -dz, dz))
+        own = select(lamp, number, select(floor, 1.0 * NO_LAMP, own))
+        # The roulette.
+        faint = (lamp | floor) & (weight < _ROULETTE_BELOW) & (weight > 0.0)
+        draw, spare, has = take(draw, spare, has, aft, diffuse ^ faint, diffuse & faint)
+        ends = faint & (select(diffuse, four, three) < 0.5)
+        lives = faint & (ends ^ True)
+        to_roulette = to_roulette + select(ends, weight, select(lives, -weight, 0.0))
+        lost = lost + select(stuck, weight, 0.0)
+        weight = select(ends | stuck, 0.0, select(lives, 2.0 * weight, weight))
+        alive = (lamp | floor) & (weight > 0.0)
+    lost = lost + select(alive, weight, 0.0)
+    weight = select(alive, 0.0, weight)
+    store_lines(place, x, y, z, dx, dy, dz, zero, zero)
+    store_lines(rng, key0, key1, path0, path1, stream, draw, spare, select(has, 1, 0))
+    store_lines(flow, found, to_lamps, to_element, to_roulette, lost, zero, zero, zero)
+    return weight

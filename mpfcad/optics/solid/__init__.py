@@ -1,0 +1,1 @@
+"""Closed meshes: read, checked that they bound a solid, repaired when asked."""

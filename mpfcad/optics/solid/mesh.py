@@ -1,0 +1,244 @@
+"""Reads a film mesh from an STL file and makes sure that it can be traced as a repeating tile.
+
+The tracer starts from the file alone. It asks for a closed, outward oriented mesh whose opposite
+sides match: then the film continues beyond its edges as copies of itself, and what happens between
+lamps far from the panel's rim is traced without one. Overhangs, voids and several bodies are as
+good as one height over a flat underside.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.optics.solid.closed import at, check_solid
+
+_RECORD = np.dtype(
+    [("normal", "<f4", (3,)), ("vertex", "<f4", (3, 3)), ("attribute", "<u2")], align=False
+)
+#: Heights of films [mm], so that coordinates in µm or m are not taken for mm.
+_HEIGHT = (0.001, 20.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FilmMesh:
+    """A film tile as triangles.
+
+    Attributes
+    ----------
+    vertex
+        (v, 3) float64 [mm], moved so that the tile spans x 0…width, y 0…length, z 0…thickness
+    top
+        (t, 3) int64, vertex numbers of the facets that are neither underside nor side
+    size
+        (width, length, thickness) [mm]
+    underside
+        whether a flat underside at z = 0 closes the film over the whole tile; if not, `top` has all
+        facets but the sides
+    """
+
+    vertex: NDArray[np.float64]
+    top: NDArray[np.int64]
+    size: tuple[float, float, float]
+    underside: bool = True
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which vertices `top` has, (v,)."""
+        used = np.zeros(len(self.vertex), bool)
+        used[self.top] = True
+        return used
+
+
+def read_film_mesh(path: Path) -> FilmMesh:
+    """Return the film tile of a binary STL file (coordinates in mm).
+
+    Raises
+    ------
+    InputError
+        when the file is missing or no binary STL, or the mesh is open, inverted, touches itself or
+        does not repeat from side to side; the text names the place.
+    """
+    vertex, facet = read_solid(path)
+    check_solid(path, vertex, facet)
+    return film_of(path, vertex, facet)
+
+
+def read_solid(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (v, 3) [mm] and facets (n, 3) of a binary STL file, whatever they bound.
+
+    Raises
+    ------
+    InputError
+        when the file is missing or no binary STL, or a number in it is not finite.
+    """
+    path = Path(path)
+    vertex, facet = weld(read_facets(path))
+    _check_finite(path, vertex)
+    return vertex, facet
+
+
+def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
+    """Return the film tile that the facets of a solid are.
+
+    Raises
+    ------
+    InputError
+        when it is no film or does not repeat from side to side; the text names the place.
+    """
+    low, high = vertex.min(axis=0), vertex.max(axis=0)
+    vertex = vertex - low
+    size = high - low
+    if not (size > 0).all():
+        raise InputError(f"{path}: mesh: extent {tuple(size)} mm: must be a solid")
+    if not _HEIGHT[0] <= size[2] <= _HEIGHT[1]:
+        raise InputError(
+            f"{path}: mesh: {size[2]:g} mm high: must be {_HEIGHT[0]:g} to {_HEIGHT[1]:g} mm: "
+            "coordinates are in mm"
+        )
+    whole = (float(size[0]), float(size[1]), float(size[2]))
+    sides = [_lies_in(vertex, facet, axis, plane) for axis in (0, 1) for plane in (0.0, size[axis])]
+    under = _lies_in(vertex, facet, 2, 0.0)
+    underside = _covers(vertex, facet[under], size)
+    traced = ~np.any(sides, axis=0)
+    if underside:
+        traced &= ~under
+    top = facet[traced]
+    for axis in (0, 1):
+        rims = [_rim(facet[sides[2 * axis + i]], top, len(vertex)) for i in (0, 1)]
+        _check_repeats(path, vertex, axis, size[axis], rims)
+        for plane, rim in zip((0.0, size[axis]), rims, strict=True):
+            _check_apart(path, vertex, axis, plane, top, rim)
+    if underside:
+        _check_above(path, vertex, top)
+    return FilmMesh(vertex, top, whole, underside)
+
+
+def read_facets(path: Path) -> NDArray[np.float32]:
+    """Return the facets' corners, (n, 3, 3) float32 [mm]."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) < 84 or len(data) != 84 + count * _RECORD.itemsize:
+        if data.lstrip()[:5] == b"solid" and b"facet" in data[:1000]:
+            raise InputError(f"{path}: an STL written as text: must be a binary STL")
+        raise InputError(
+            f"{path}: not a binary STL: {len(data)} bytes for {count} facets, "
+            f"expected {84 + count * _RECORD.itemsize}"
+        )
+    if count < 4:
+        raise InputError(f"{path}: mesh: {count} facets: at least 4 make a solid")
+    return np.frombuffer(data, _RECORD, count, offset=84)["vertex"]
+
+
+def weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex.
+
+    Facets with two equal corners bound nothing and are left out: their neighbours join.
+    """
+    points = corner.reshape(-1, 3) + np.float32(0)  # -0 becomes 0
+    # Two coordinates a whole number: sorted several times faster than records.
+    bits = points.view(np.uint32)
+    number = _numbered(_numbered(bits[:, 0], bits[:, 1]), bits[:, 2])
+    vertex = np.empty((number.max() + 1, 3))
+    vertex[number] = points
+    facet = number.reshape(-1, 3)
+    collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
+    return vertex, facet[~collapsed]
+
+
+def _numbered(high: NDArray[np.integer], low: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Return the rank of each pair, (n,), in the order of `high`, then of `low`."""
+    key = high.astype(np.uint64)
+    key <<= np.uint64(32)
+    key |= low
+    order = np.argsort(key)
+    key = key[order]
+    rank = np.empty(len(key), np.int64)
+    rank[order] = np.r_[0, np.cumsum(key[1:] != key[:-1])]
+    return rank
+
+
+def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
+    bad = np.flatnonzero(~np.isfinite(vertex).all(axis=1))
+    if len(bad):
+        raise InputError(f"{path}: mesh: vertex {vertex[bad[0]]}: must be finite")
+
+
+def _lies_in(
+    vertex: NDArray[np.float64], facet: NDArray[np.int64], axis: int, plane: float
+) -> NDArray[np.bool_]:
+    """Return which facets lie in the plane where a coordinate is `plane` [mm]."""
+    return (vertex[:, axis] == plane)[facet].all(axis=1)
+
+
+def _covers(
+    vertex: NDArray[np.float64], under: NDArray[np.int64], size: NDArray[np.float64]
+) -> bool:
+    """Return whether flat facets fill the rectangle of the tile."""
+    corner = vertex[under]
+    area = np.abs(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])[:, 2]).sum()
+    return bool(abs(area / 2 - size[0] * size[1]) <= 1e-6 * size[0] * size[1])
+
+
+def _rim(side: NDArray[np.int64], top: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the edges (n, 2) of a side, as its facets run, beyond which a traced facet lies."""
+    edges = (facet.ravel() * count + np.roll(facet, -1, axis=1).ravel() for facet in (side, top))
+    along, across = edges
+    back = across % count * count + across // count
+    rim = np.intersect1d(along, back, assume_unique=True)
+    return np.stack([rim // count, rim % count], axis=1)
+
+
+def _check_repeats(
+    path: Path, vertex: NDArray[np.float64], axis: int, size: float, rims: list[NDArray[np.int64]]
+) -> None:
+    """Raise unless opposite sides of the tile end along the same lines, the film within both."""
+    lines = [vertex[rim][..., (1 - axis, 2)].reshape(-1, 4) for rim in (rims[0], rims[1][:, ::-1])]
+    ordered = [line[np.lexsort(line.T)] for line in lines]
+    if ordered[0].shape == ordered[1].shape and (ordered[0] == ordered[1]).all():
+        return
+    lines = [np.ascontiguousarray(line).view([("", float)] * 4).ravel() for line in lines]
+    only = [np.setdiff1d(lines[i], lines[1 - i]) for i in (0, 1)]
+    for i, left_over in enumerate(only):
+        if len(left_over):
+            name = "xy"[axis]
+            place = np.full(3, (0.0, size)[i])
+            a = np.array(left_over[0].tolist())
+            place[[1 - axis, 2]] = (a[:2] + a[2:]) / 2
+            raise InputError(
+                f"{path}: mesh: the surface at {name} = 0 and {name} = {size:g} mm differs at "
+                f"{at(place)}: the tile must repeat from side to side"
+            )
+
+
+def _check_apart(
+    path: Path, vertex: NDArray[np.float64], axis: int, plane: float,
+    top: NDArray[np.int64], rim: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Raise where a body only just reaches a side of the tile, and so touches its own copy."""
+    lone = np.zeros(len(vertex), bool)
+    lone[top] = True
+    lone &= vertex[:, axis] == plane
+    lone[rim] = False
+    alone = np.flatnonzero(lone)
+    if len(alone):
+        raise InputError(
+            f"{path}: mesh: touches its copy in the next tile at {at(vertex[alone[0]])}: "
+            "bodies must end within the tile or go on beyond it"
+        )
+
+
+def _check_above(path: Path, vertex: NDArray[np.float64], top: NDArray[np.int64]) -> None:
+    """Raise where the upper surface touches the flat underside."""
+    corner = vertex[top]
+    thin = corner[..., 2] == 0
+    if thin.any():
+        raise InputError(
+            f"{path}: mesh: touches itself at {at(corner[thin][0])}: "
+            "the upper surface must lie above the underside"
+        )

@@ -1,0 +1,1 @@
+"""The design command: search, traces, the slimmest thickness."""

@@ -1,0 +1,211 @@
+"""The search of a design's map: constraints and model from its tables, full traces on demand."""
+
+import hashlib
+import tempfile
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.design import (
+    ROWS,
+    Grid,
+    Iteration,
+    Operators,
+    Response,
+    Traced,
+    best_of,
+    estimate_operators,
+    search_by_inversion,
+    search_by_response,
+)
+from mpfcad.export import canonical_json, write_text
+from mpfcad.film import Groove
+from mpfcad.job import build_job
+from mpfcad.job.design import Design
+from mpfcad.pipeline.design.aim import design_constraint, design_goal
+from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
+from mpfcad.pipeline.effort import NO_GOAL
+from mpfcad.pipeline.plan.plan import Plan, read_job_process, read_job_stack, read_plan
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.run.make import write_cad
+from mpfcad.pipeline.run.record import versions
+
+#: Largest distance [1/mm] of the curvatures at which the film is traced alone.
+_NODE_STEP = 6.0
+_UNIFORM_FILMS = 7
+#: Half the distance [mm] between the two rows at a step of a map of levels.
+_STEP = 1e-6
+
+
+class DesignWork:
+    """A design being searched."""
+
+    def __init__(
+        self, design: Design, file: Path, out: Path, threads: int, progress: Progress
+    ) -> None:
+        self.design, self.file, self.threads, self.progress = design, file, threads, progress
+        job = build_job(design.job_document("map.csv"), str(file))
+        self.stack = read_job_stack(job, file)
+        self.groove = Groove(design.film.pitch, design.film.depth)
+        calibration = design.process.calibration
+        self.process = read_job_process(
+            job, None if calibration is None else file.parent / calibration, self.groove, str(file)
+        )
+        self.pitch = self.stack.lamp_pitch
+        self.constraint = design_constraint(design, self.process, file)
+        self.goal = design_goal(design)
+        self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
+        self.model: dict[str, Any] | None = None
+
+    def _key(self) -> str:
+        """Return a hash of what the traces of given rows depend on."""
+        document = self.design.document()
+        inputs = {
+            "seed": self.design.seed,
+            "paths": self.design.search.paths_million,
+            "film": document["film"],
+            "cad": document["cad"],
+            "stack": self.stack.inputs(),
+            "layers": list(self.stack.layers),
+            "versions": versions(),
+        }
+        return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
+
+    def search_maps(self, contrast_target: float) -> list[Iteration]:
+        """Return the traced maps; the interval of the last ends below the target, if one's does."""
+        table, constraint = self.design.search, self.constraint
+        stop = {
+            "iterations": table.iterations,
+            "contrast_target": contrast_target,
+            "finish": self._levelled,
+        }
+        if table.method == "thesis":
+            spread = np.linspace(constraint.curvature_min, constraint.curvature_max, _UNIFORM_FILMS)
+            uniform = table.uniform_per_mm or [float(f"{c:.4g}") for c in spread]
+            return search_by_inversion(uniform, constraint, self.pitch, self.trace, **stop)
+        return search_by_response(
+            self.response, constraint, self.goal, self.pitch, self.trace, **stop
+        )
+
+    @cached_property
+    def response(self) -> Response:
+        """The two-scale model of the backlight, estimated on first use."""
+        operators = self.estimate(Grid())
+        self.model = {
+            "curvatures_per_mm": [float(c) for c in operators.node],
+            "film_passages": operators.passages,
+            "world_segments": operators.segments,
+        }
+        self.progress.stage("searching in the model")
+        return Response(operators)
+
+    def estimate(self, grid: Grid) -> Operators:
+        """Return the operators of the two-scale model on a grid."""
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
+        return estimate_operators(
+            self.stack,
+            self.groove,
+            self.design.film.base,
+            self.design.film.profile,
+            node,
+            grid=grid,
+            seed=self.design.seed,
+            threads=self.threads,
+            progress=self.progress.stage,
+        )
+
+    def _levelled(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return rows at the design's levels of aperture ratio (`ideal`: of curvature)."""
+        levels = self.design.constraint.levels
+        if levels is None:
+            return rows
+        process = self.process
+        value = rows if process is None else process.aperture_ratio_of_curvature(rows)
+        level = np.linspace(value.min(), value.max(), levels)
+        value = level[np.argmin(np.abs(value[:, None] - level), axis=1)]
+        return value if process is None else process.curvature(value)
+
+    def trace(
+        self, rows: NDArray[np.float64], label: str, number: int, shift: float = 0.0
+    ) -> Traced:
+        """Return what a full trace of the map's mesh says, from the kept traces if it is there.
+
+        The film is shifted against the lamps by `shift` [mm], with the same random numbers.
+        """
+        kept = self.state.find(number, rows, shift)
+        if kept is not None:
+            return kept
+        self.progress.stage(f"tracing {label}" + (f", shifted {shift:g} mm" if shift else ""))
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            plan = self._plan(folder, rows)
+            write_cad(plan, folder, ("stl",), SILENT)
+            traced = self._trace_mesh(folder / "film.stl", plan.offset + shift, number)
+        self.state.keep(number, rows, shift, traced)
+        return traced
+
+    def _trace_mesh(self, mesh: Path, offset: float, number: int) -> Traced:
+        from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+
+        run = TraceRun(
+            seed=trace_seed(self.design.seed, number),
+            threads=self.threads,
+            path_limit=round(self.design.search.paths_million * 1e6),
+            progress=self.progress.trace,
+        )
+        lit = light_film(self.stack, mesh, offset)
+        found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
+        contrast, mean = found.contrast, found.mean_luminance
+        return Traced(
+            contrast.value,
+            contrast.low,
+            contrast.high,
+            mean.value,
+            mean.standard_error,
+            tuple(map(float, found.fit.coefficient)),
+            found.paths,
+        )
+
+    def _plan(self, folder: Path, rows: NDArray[np.float64]) -> Plan:
+        """Return the plan of the job that a map would have."""
+        file = folder / "map.csv"
+        self.write_map(file, rows)
+        document = self.design.job_document(str(file.resolve()))
+        return read_plan(build_job(document, str(self.file)), self.file)
+
+    def write_map(self, file: Path, rows: NDArray[np.float64]) -> None:
+        """Write rows of C [1/mm] as a curvature map over one lamp pitch."""
+        position = np.linspace(0, self.pitch, ROWS)
+        if self.design.constraint.levels is not None:
+            edge = (position[1:] + position[:-1])[np.diff(rows) != 0] / 2
+            after = rows[1:][np.diff(rows) != 0]
+            before = rows[:-1][np.diff(rows) != 0]
+            position = np.concatenate([position, edge - _STEP, edge + _STEP])
+            rows = np.concatenate([rows, before, after])
+            order = np.argsort(position, kind="stable")
+            position, rows = position[order], rows[order]
+        lines = [f"{x:.6f},{c:.6f}" for x, c in zip(position, rows, strict=True)]
+        write_text(file, "\n".join(["position_mm,curvature_per_mm", *lines, ""]))
+
+    def write_job(self, folder: Path, rows: NDArray[np.float64], back: str) -> None:
+        """Write the job and its map; `back` leads from the folder to the design's own."""
+        import tomli_w
+
+        name = self.design.name
+        self.write_map(folder / f"{name}.csv", rows)
+        document = self.design.job_document(f"{name}.csv")
+        for table, key in (("process", "calibration"), ("stack", "file")):
+            file = document.get(table, {}).get(key)
+            if file is not None:
+                document[table][key] = str(Path(back) / file)
+        build_job(document, str(self.file))
+        head = f"# Found by mpfcad design {self.file.name}\n# mpfcad run {name}.toml\n"
+        write_text(folder / f"{name}.toml", head + tomli_w.dumps(document))
+
+    def best(self, done: list[Iteration]) -> Iteration:
+        """Return the best of the patterned maps."""
+        return best_of([one for one in done if len(one.series) > 1], self.goal)

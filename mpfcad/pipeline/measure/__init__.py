@@ -1,0 +1,1 @@
+"""Films measured and compared in their stacks."""

@@ -1,0 +1,248 @@
+"""One film in one stack, and what was measured on it; measured figures are kept and found again."""
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.errors import ExportError, InputError
+from mpfcad.export import canonical_json, check_manifest
+from mpfcad.measure import Lit, TraceRun, case_hash, light_film
+from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.resume import cache_folder, open_checkpoints
+
+DEFAULT_STACK = "thesis-32in-mpf"
+#: What can be measured, in the order of the page.
+WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A film in a stack, ready to trace.
+
+    Attributes
+    ----------
+    name
+        of the film, as the user named it
+    film
+        what the mesh is: its file, or words
+    lit
+        the mesh in its stack
+    """
+
+    name: str
+    film: str
+    lit: Lit
+
+
+@dataclass(frozen=True)
+class Measuring:
+    """How a case is measured."""
+
+    seed: int = 1
+    effort: str = "standard"
+    threads: int | None = None
+
+    def run(self, progress: Progress, checkpoints: Any) -> TraceRun:
+        """Return how to trace."""
+        return TraceRun(
+            self.seed, self.threads or available_threads(),
+            TRACE_SETTINGS[self.effort].path_limit, checkpoints, progress.trace,
+        )  # fmt: skip
+
+
+def read_case(
+    source: str, stack: str | None = None, thickness: float | None = None, offset: float = 0.0
+) -> Case:
+    """Return the case of a mesh, an export folder, a job, or a preset (with a plain BEF in it).
+
+    `stack`: a preset or stack file in place of the export's or job's own; `thickness` [mm] of the
+    stack in place of its own; `offset` [mm] of a mesh's left edge from a lamp's axis.
+
+    Raises
+    ------
+    InputError
+        when there is no such thing, or it is wrong.
+    """
+    path = Path(source)
+    if path.is_dir():
+        return _read_export(path, stack, thickness)
+    if path.suffix == ".toml" and path.is_file():
+        return _read_job(path, stack, thickness)
+    if path.is_file():
+        placed = read_stack(stack or DEFAULT_STACK, thickness=thickness)
+        return Case(path.stem, path.name, light_film(placed, path, offset))
+    if path.suffix or path.name != source:
+        raise InputError(
+            f"{source}: no such file: must be a closed mesh in mm, a job, an export or a preset"
+        )
+    return _plain_case(read_stack(source, thickness=thickness))
+
+
+def baseline_case() -> Case:
+    """Return a plain BEF in the conventional stack: what every case is compared with."""
+    from mpfcad.pipeline.run.examine import BASELINE_PRESET
+
+    return _plain_case(read_stack(BASELINE_PRESET))
+
+
+def _plain_case(stack: Stack) -> Case:
+    """Return a plain BEF, written to a file and read back, in a stack."""
+    from mpfcad.cad import write_stl
+    from mpfcad.job.model import CadTable
+    from mpfcad.pipeline.run.examine import baseline_film
+
+    with tempfile.TemporaryDirectory() as temporary:
+        mesh = Path(temporary) / "bef.stl"
+        write_stl(baseline_film(stack.lamp_pitch), mesh, CadTable().angle_tolerance)
+        return Case("BEF", "plain BEF", light_film(stack, mesh))
+
+
+def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Case:
+    from mpfcad.pipeline.plan.plan import restore_stack
+
+    try:
+        manifest = check_manifest(folder)
+        if "verification.json" not in manifest["files"]:
+            raise InputError(f"{folder}: holds no verification.json: must be of mpfcad run")
+        record = json.loads((folder / "verification.json").read_text("utf-8"))
+    except ExportError as error:
+        raise InputError(str(error)) from None
+    own = restore_stack(record["job"]["stack"]).with_files_in(folder)
+    placed = _placed(own, stack, thickness).with_prism(own.prism)
+    offset = record["provenance"]["traced"]["offset_mm"]
+    return Case(record["name"], "film.stl", light_film(placed, folder / "film.stl", offset))
+
+
+def _read_job(path: Path, stack: str | None, thickness: float | None) -> Case:
+    """Return the film of a job, written to a file and read back, without the rest of its export."""
+    from mpfcad.job import read_job
+    from mpfcad.pipeline.plan.plan import read_plan
+    from mpfcad.pipeline.run.make import write_cad
+    from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
+
+    job = read_job(path)
+    plan = read_plan(job, path)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        write_cad(plan, folder, ("stl",), SILENT)
+        write_stack_meshes(plan, folder, SILENT)
+        own = plan.stack.with_files_in(folder)
+        placed = _placed(own, stack, thickness).with_prism(own.prism)
+        return Case(job.name, path.name, light_film(placed, folder / "film.stl", plan.offset))
+
+
+def _placed(own: Stack, stack: str | None, thickness: float | None) -> Stack:
+    """Return the stack asked for, or the film's own."""
+    if stack is not None:
+        return read_stack(stack, thickness=thickness)
+    if thickness is None:
+        return own
+    return own.with_values({"thickness_mm": Quantity(thickness, "given", "given by the user")})
+
+
+def measure_case(
+    case: Case, what: Iterable[str], measuring: Measuring, progress: Progress
+) -> dict[str, Any]:
+    """Return what was measured on a case, by its name in `WHAT`.
+
+    A figure that an earlier call has found for the same mesh, stack, seed and effort is not traced
+    again: the result is the same bit for bit.
+    """
+    found = {}
+    for name in what:
+        progress.stage(f"{case.name} in {case.lit.stack.name}: {name}")
+        found[name] = _measured(case, name, measuring, progress)
+    return found
+
+
+def _measured(case: Case, name: str, measuring: Measuring, progress: Progress) -> dict[str, Any]:
+    from mpfcad.record import MEASUREMENT_SCHEMA
+
+    key = case_hash(
+        {
+            **case.lit.case, "what": name, "seed": measuring.seed, "effort": measuring.effort,
+            "schema": MEASUREMENT_SCHEMA,
+        }
+    )  # fmt: skip
+    kept = cache_folder() / "figures" / f"{key[:32]}.json"
+    if kept.is_file():
+        stored = json.loads(kept.read_text("utf-8"))
+        if stored.get("case") == key:
+            return stored["figures"]
+    with open_checkpoints(progress) as checkpoints:
+        run = measuring.run(progress, checkpoints)
+        figures = _MEASURE[name](case.lit, run, measuring.effort)
+    if checkpoints.folder is not None:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        part = kept.with_name(f".{kept.name}.{os.getpid()}.part")
+        part.write_bytes(canonical_json({"case": key, "figures": figures}).encode())
+        part.replace(kept)
+    # As they come back from the file, so that it makes no difference whether they were kept.
+    return json.loads(canonical_json(figures))
+
+
+def _contrast(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import luminance_over_pitch
+    from mpfcad.record import describe_contrast
+
+    goal = TRACE_SETTINGS[effort].half_width_goal
+    return describe_contrast(luminance_over_pitch(lit, run, half_width_goal=goal), run.seed)
+
+
+def _angular(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import angular_luminance
+    from mpfcad.record import describe_angular
+
+    return describe_angular(angular_luminance(lit, run, MEASURE_SETTINGS[effort].direction))
+
+
+def _conoscope(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure.angle import conoscope
+    from mpfcad.record import describe_conoscope
+
+    return describe_conoscope(conoscope(lit, run, MEASURE_SETTINGS[effort].conoscope))
+
+
+def _flux(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import output_flux
+    from mpfcad.record import describe_flux
+
+    return describe_flux(output_flux(lit, run, MEASURE_SETTINGS[effort].flux))
+
+
+def _uniformity(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import screen_uniformity
+    from mpfcad.record import describe_uniformity
+
+    return describe_uniformity(screen_uniformity(lit, run, MEASURE_SETTINGS[effort].screen))
+
+
+def _camera(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import camera_image
+    from mpfcad.record import describe_camera
+
+    return describe_camera(camera_image(lit, run, MEASURE_SETTINGS[effort].pixel))
+
+
+def _panel(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import panel_luminance
+    from mpfcad.record import describe_panel
+
+    return describe_panel(panel_luminance(lit, run, MEASURE_SETTINGS[effort].cell))
+
+
+_MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
+    "contrast": _contrast,
+    "angular": _angular,
+    "conoscope": _conoscope,
+    "flux": _flux,
+    "uniformity": _uniformity,
+    "camera": _camera,
+    "panel": _panel,
+}

@@ -1,0 +1,109 @@
+"""`measure_film`: a case measured, beside the conventional stack, into a folder that is whole."""
+
+from pathlib import Path
+from typing import Any
+
+from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.measure import Lit
+from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, baseline_case, measure_case
+from mpfcad.pipeline.progress import SILENT, Progress
+
+MEASURE_FILE = "measure.json"
+MEASURE_PAGE = "measure.html"
+#: What is also measured on the conventional stack, to compare with.
+_COMPARED = ("contrast", "flux")
+_RIM = "The panel is finite: side walls, lamps of their length, black beside its edges."
+_NO_RIM = (
+    "Traced without the panel's rim: lamps and film go on sideways without end, so corners are as "
+    "bright as the middle, and only the place over the lamps differs."
+)
+
+
+def default_measure_out(case: Case) -> Path:
+    """Return where a case's measurement goes unless told otherwise."""
+    return Path("exports") / f"{case.name}-measure"
+
+
+def default_what(case: Case) -> tuple[str, ...]:
+    """Return everything that can be measured on a case."""
+    return WHAT if case.lit.is_finite else tuple(name for name in WHAT if name != "panel")
+
+
+def measure_film(
+    case: Case, what: tuple[str, ...], out: Path, measuring: Measuring, progress: Progress = SILENT
+) -> dict[str, Any]:
+    """Measure a case into the folder `out`, which appears whole or not at all; return the record.
+
+    Raises
+    ------
+    InputError
+        when `out` is something else than an older measurement, or `panel` is asked of a stack
+        that repeats without end.
+    """
+    from mpfcad.measure import check_finite
+    from mpfcad.report import write_measure_page, write_pictures
+
+    if "panel" in what:
+        check_finite(case.lit)
+    with export_folder(out, "measure") as folder:
+        record = measurement(case, what, measuring, progress)
+        write_text(folder / MEASURE_FILE, canonical_json(record))
+        if "camera" in record:
+            write_pictures(folder, record["camera"], record["screen"]["lamps_level"])
+        progress.stage(f"writing {MEASURE_PAGE}")
+        write_measure_page(folder / MEASURE_PAGE, record)
+        write_manifest(folder, case.name, "measure")
+    return record
+
+
+def measurement(
+    case: Case, what: tuple[str, ...], measuring: Measuring, progress: Progress
+) -> dict[str, Any]:
+    """Return measure.json of a case."""
+    from mpfcad.record import ratio
+
+    found = measure_case(case, what, measuring, progress)
+    record = {"schema": 1, "name": case.name, "traced": describe_case(case, measuring)}
+    record |= {"screen": screen(case.lit), **found}
+    compared = tuple(name for name in _COMPARED if name in what)
+    if not compared:
+        return record
+    base = measure_case(baseline_case(), compared, measuring, progress)
+    record["baseline"] = {"stack": "thesis-32in-conventional", "film": "BEF", **base}
+    if "contrast" in compared:
+        record["relative_luminance"] = ratio(
+            found["contrast"]["mean_luminance_cd_m2"], base["contrast"]["mean_luminance_cd_m2"]
+        )
+    if "flux" in compared:
+        record["relative_efficiency"] = ratio(
+            found["flux"]["efficiency_lm_per_lm"], base["flux"]["efficiency_lm_per_lm"]
+        )
+    return record
+
+
+def describe_case(case: Case, measuring: Measuring) -> dict[str, Any]:
+    """Return what was traced, in plain values."""
+    lit = case.lit
+    return {
+        "film": case.film,
+        "mesh_sha256": lit.case["mesh"],
+        "offset_mm": lit.case["offset"],
+        "stack": lit.stack.name,
+        "title": lit.stack.title,
+        "layers": list(lit.stack.layers),
+        "inputs": lit.stack.inputs(),
+        "accelerator": lit.accelerator,
+        "seed": measuring.seed,
+        "effort": measuring.effort,
+    }
+
+
+def screen(lit: Lit) -> dict[str, Any]:
+    """Return how the lamps lie on the screen: level when the panel's longer side is along them."""
+    level = lit.stack.panel_length >= lit.stack.panel_width
+    axes = ("vertical", "horizontal") if level else ("horizontal", "vertical")
+    return {
+        "lamps_level": level,
+        "axes": dict(zip(("across", "along"), axes, strict=True)),
+        "rim": _RIM if lit.is_finite else _NO_RIM,
+    }

@@ -1,0 +1,172 @@
+"""Write and check the CAD files of a piece, each kind of film in its own way."""
+
+from pathlib import Path
+from typing import Protocol
+
+from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
+from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PrismFilm
+from mpfcad.job import CadTable
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
+from mpfcad.pipeline.plan.made import Drawn
+
+Check = StepCheck | MeshCheck | BodyCheck
+
+
+class Drawing(Protocol):
+    """The files of one kind of film, by their suffix."""
+
+    #: The formats that this kind is written in.
+    formats: tuple[str, ...]
+
+    def write(self, path: Path, name: str) -> None:
+        """Write the file; `name` is that of the job."""
+
+    def check(self, path: Path) -> Check:
+        """Return what the file holds, once it is found to be the film."""
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        """Return how well both agree; `volume` [mm³] is what OCCT found in the STEP."""
+
+
+def drawing_of(film: Drawn, table: CadTable) -> Drawing:
+    """Return how a film is drawn."""
+    if isinstance(film, PrismFilm):
+        return _Designed(film, table)
+    if isinstance(film, FieldPiece):
+        return _Field(film, table)
+    return _Made(film, table) if isinstance(film, MadeFilm) else _Cells(film, table)
+
+
+class _Exact:
+    """Films whose STEP states surfaces that `check_agreement` knows."""
+
+    #: Largest relative difference between the volumes of STL and STEP.
+    volume_tolerance: float
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad import check_agreement
+
+        return check_agreement(step, stl, volume, self.volume_tolerance)
+
+
+class _Designed(_Exact):
+    """Grooves as designed."""
+
+    formats = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
+    volume_tolerance = 1e-4
+
+    def __init__(self, film: PrismFilm, table: CadTable) -> None:
+        self.film, self.bodies, self.angle = film, table.bodies, table.angle_tolerance
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
+
+        if path.suffix == ".step":
+            write_step(self.film, path, name=name, bodies=self.bodies)
+        else:
+            write = {".stl": write_stl, ".3mf": write_3mf, ".ply": write_ply}[path.suffix]
+            write(self.film, path, self.angle, name=name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad import check_3mf, check_ply, check_step, check_stl
+
+        if path.suffix == ".step":
+            return check_step(path, self.film, bodies=self.bodies)
+        if path.suffix == ".stl":
+            return check_stl(path, self.film, self.angle)
+        return {".3mf": check_3mf, ".ply": check_ply}[path.suffix](path, self.film)
+
+
+class _Made(_Exact):
+    """Imperfect or measured grooves: one body, by its cross-section."""
+
+    formats = ("step", "stl")
+    volume_tolerance = 1e-4
+
+    def __init__(self, made: MadeFilm, table: CadTable) -> None:
+        from mpfcad.cad.shape.mesh import mesh_sliver
+
+        self.made, self.angle = made, table.angle_tolerance
+        self.sliver = mesh_sliver(made.film)
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file import stl
+        from mpfcad.cad.shape import section_mesh
+        from mpfcad.cad.step.grooves import section as section_step
+
+        if path.suffix == ".step":
+            section_step.write_section_step(
+                self.made.section(), path, name=name, body="film", colour=section_step.FILM_COLOUR
+            )
+        else:
+            mesh = section_mesh.build_section_mesh(self.made.section(self.sliver), self.angle)
+            stl.write_mesh(mesh, path, name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.check.section import check_section_step, check_section_stl
+
+        if path.suffix == ".step":
+            return check_section_step(path, self.made.section(), "film")
+        parabolas = None if self.made.imperfection.measured is not None else self.made.film
+        return check_section_stl(path, self.made.section(self.sliver), self.angle, parabolas)
+
+
+class _Cells(_Exact):
+    """Pyramids or dishes: one body of patches."""
+
+    formats = ("step", "stl", *HEIGHT_FORMATS)
+    volume_tolerance = 1e-3
+
+    def __init__(self, film: CellFilm, table: CadTable) -> None:
+        self.film, self.angle = film, table.angle_tolerance
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file import stl
+        from mpfcad.cad.shape import cell_mesh
+        from mpfcad.cad.step.grooves import cell as cell_step
+
+        if path.suffix == ".step":
+            cell_step.write_cell_step(self.film, path, name=name)
+        else:
+            stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.check.cell import check_cell_stl
+        from mpfcad.cad.check.step import check_film_body
+
+        if path.suffix == ".step":
+            return check_film_body(path, self.film)
+        return check_cell_stl(path, self.film, self.angle)
+
+
+class _Field:
+    """Grooves whose curvature varies along them: one body of patches."""
+
+    formats = ("step", "stl", *HEIGHT_FORMATS)
+
+    def __init__(self, film: FieldPiece, table: CadTable) -> None:
+        self.film, self.angle = film, table.angle_tolerance
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file import stl
+        from mpfcad.cad.shape import field_mesh
+        from mpfcad.cad.step.grooves import field as field_step
+
+        if path.suffix == ".step":
+            field_step.write_field_step(self.film, path, name=name)
+        else:
+            stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.check.field import check_field_stl
+        from mpfcad.cad.check.step import check_film_body
+
+        if path.suffix == ".step":
+            return check_film_body(path, self.film)
+        return check_field_stl(path, self.film, self.angle)
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad.check.field import VOLUME_TOLERANCE
+        from mpfcad.cad.check.field_agreement import check_field_agreement
+
+        return check_field_agreement(step, stl, volume, VOLUME_TOLERANCE)

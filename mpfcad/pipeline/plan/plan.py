@@ -1,0 +1,364 @@
+"""From a job to everything that is made of it: the panel film, its CAD piece, process and stack."""
+
+import math
+import tempfile
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import (
+    Layer,
+    Quantity,
+    Stack,
+    read_stack,
+    restore_bsdf_layer,
+    stack_file,
+)
+from mpfcad.errors import ExportError, InputError
+from mpfcad.film import (
+    CurvatureMap,
+    FieldFilm,
+    Groove,
+    PrismFilm,
+    Process,
+    check_curvature,
+    read_curvature_map,
+    read_process,
+    write_curvature_field,
+    write_curvature_map,
+)
+from mpfcad.job import Job, build_job
+from mpfcad.pipeline.plan.field import (
+    FIELD_FILE,
+    cut_window,
+    field_section,
+    has_field,
+    read_field_film,
+    refuse_window,
+)
+from mpfcad.pipeline.plan.made import Drawn, draw_piece, read_measured
+from mpfcad.pipeline.plan.screen import mesh_process
+
+CURVATURE_FILE = "curvature.csv"
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A job with every input read.
+
+    Attributes
+    ----------
+    job
+        the job as validated
+    process
+        the printing process; None for an `ideal` film, which no print can make, and for cells
+    stack
+        the backlight with the film's slot
+    panel
+        the film over the whole panel, x from the panel's left edge; where the curvature varies
+        along the grooves too, its section at the piece's lower end
+    piece
+        the part that film.step and film.stl hold, as designed, cut from `panel`
+    drawn
+        what they hold: `piece` itself, or as the job says it is made, of cells, or of grooves whose
+        curvature varies along them
+    field_film
+        the film over the panel, where its curvature varies along the grooves too
+    first_groove
+        groove of `panel` that is the first of `piece`
+    calibration
+        text of the process calibration that the job names, if it does
+    measured
+        (k, 2) float64 [mm], mean groove of the stylus trace that the job names, if it does
+    input_file
+        path of every file read, by its name in the job
+    """
+
+    job: Job
+    process: Process | None
+    stack: Stack
+    panel: PrismFilm
+    piece: PrismFilm
+    drawn: Drawn
+    first_groove: int
+    field_film: FieldFilm | None = None
+    calibration: str | None = None
+    measured: NDArray[np.float64] | None = None
+    input_file: dict[str, Path] = field(default_factory=dict)
+
+    @property
+    def lamp_position(self) -> float:
+        """Position [mm] on the panel of the lamp that the traced pitch starts at."""
+        return self.stack.lamp_position(central_lamp(self.stack))
+
+    @property
+    def offset(self) -> float:
+        """Position [mm] of the piece's left edge from that lamp's axis."""
+        return self.piece.origin - self.lamp_position
+
+    @property
+    def is_printable(self) -> bool:
+        """Whether a mask can be made."""
+        return self.process is not None
+
+    def write_curvature(self, folder: Path) -> None:
+        """Write the table of the panel's grooves, or its map in both directions."""
+        if self.field_film is not None:
+            write_curvature_field(folder / FIELD_FILE, self.field_film.field)
+            return
+        ratio = None
+        if self.process is not None:
+            ratio = self.process.aperture_ratio_of_curvature(self.panel.curvature)
+        write_curvature_map(
+            folder / CURVATURE_FILE,
+            self.panel.groove_position,
+            self.panel.curvature,
+            groove=self.panel.groove,
+            profile=self.panel.profile,
+            aperture_ratio=ratio,
+        )
+
+
+def central_lamp(stack: Stack) -> int:
+    """Return the lamp left of the panel's middle: the traced pitch runs from it to the next."""
+    return stack.central_lamp
+
+
+def groove_count(width: float, pitch: float) -> int:
+    """Return how many whole grooves of `pitch` [mm] cover `width` [mm]."""
+    return math.ceil(width / pitch - 1e-9)
+
+
+def read_plan(job: Job, job_file: Path) -> Plan:
+    """Return the plan of a job, reading the files it names beside `job_file`.
+
+    Raises
+    ------
+    InputError
+        when a file or a value in it is wrong.
+    """
+    job_file = Path(job_file)
+    folder = job_file.parent
+    files = {
+        name: folder / name
+        for name in (
+            job.map.file,
+            job.process.calibration,
+            job.stack.file,
+            job.film.measured_file,
+        )
+        if name is not None
+    }
+    stack = read_job_stack(job, job_file)
+    _refuse_resin(job, stack, str(job_file))
+    calibration = files.get(job.process.calibration)
+    groove = Groove(job.film.pitch, job.film.depth)
+    process = read_job_process(job, calibration, groove, str(job_file))
+    count = groove_count(stack.panel_width, groove.pitch)
+    curvature: FieldFilm | NDArray[np.float64]
+    if has_field(job, job_file):
+        curvature = read_field_film(job, folder / job.map.file, str(job_file), count, stack)
+    else:
+        refuse_window(job, str(job_file))
+        curvature = _read_map(job, job_file, stack, groove).on_grooves(
+            (np.arange(count) + 0.5) * groove.pitch,
+            stack.lamp_pitch,
+            stack.lamp_position(central_lamp(stack)),
+        )
+        curvature = _as_written(curvature)
+    text = calibration.read_text("utf-8") if calibration else None
+    plan = _build_plan(job, stack, process, curvature, read_measured(job, job_file), str(job_file))
+    return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
+
+
+def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
+    """Raise where resin scatters in a film of which the prisms under it are not known."""
+    if not stack.resin_scatters:
+        return
+    if job.film.profile != "filled":
+        raise InputError(f"{where}: film.profile: ideal: has no resin of its own: must be 'filled'")
+    if not job.film.is_plain:
+        raise InputError(
+            f"{where}: resin: scatters: the film must be grooves as designed, without imperfections"
+        )
+
+
+def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
+    """Return the plan of an export from its own files alone.
+
+    Parameters
+    ----------
+    folder
+        the export
+    document
+        `job` of its verification.json
+
+    Raises
+    ------
+    ExportError
+        when this version of mpfcad reads the stored job otherwise than it was meant.
+    """
+    job = build_job(document["given"], str(folder / "verification.json"))
+    if job.document() != document["resolved"]:
+        raise ExportError(f"{folder}: job: its defaults differ in this version of mpfcad")
+    groove = Groove(job.film.pitch, job.film.depth)
+    text = document["calibration"]
+    with tempfile.TemporaryDirectory() as temporary:
+        file = None
+        if text is not None:
+            file = Path(temporary) / "calibration.toml"
+            file.write_bytes(text.encode())
+        process = read_job_process(job, file, groove, str(folder / "verification.json"))
+    stack = restore_stack(document["stack"])
+    measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
+    curvature: FieldFilm | NDArray[np.float64]
+    if (folder / FIELD_FILE).is_file():
+        count = groove_count(stack.panel_width, groove.pitch)
+        curvature = read_field_film(job, folder / FIELD_FILE, str(folder), count, stack)
+    else:
+        curvature = read_curvature(folder)
+    plan = _build_plan(job, stack, process, curvature, measured, str(folder))
+    return replace(plan, calibration=text)
+
+
+def describe_stack(stack: Stack) -> dict[str, Any]:
+    """Return a stack as plain values; `restore_stack` makes the same stack of them again."""
+    return {
+        "name": stack.name,
+        "title": stack.title,
+        "layers": list(stack.layers),
+        "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
+        "tables": {name: table.describe() for name, table in stack.tables.items()},
+        "extent": stack.extent,
+        "own": {
+            name: {**asdict(layer), "file": stack_file(name) if layer.file else None}
+            for name, layer in stack.own.items()
+        },
+    }
+
+
+def restore_stack(document: dict[str, Any]) -> Stack:
+    """Return the stack that `describe_stack` has described; its meshes are in the export."""
+    quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
+    own = {name: Layer(**entry) for name, entry in document["own"].items()}
+    tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
+    return Stack(
+        document["name"], document["title"], tuple(document["layers"]), quantity,
+        document["extent"], own, tables,
+    )  # fmt: skip
+
+
+def read_curvature(folder: Path) -> NDArray[np.float64]:
+    """Return the curvature [1/mm] of every groove from an export's curvature.csv."""
+    path = folder / CURVATURE_FILE
+    return np.loadtxt(path, delimiter=",", skiprows=1, usecols=2, ndmin=1)
+
+
+def _build_plan(
+    job: Job,
+    stack: Stack,
+    process: Process | None,
+    curvature: NDArray[np.float64] | FieldFilm,
+    measured: NDArray[np.float64] | None,
+    where: str,
+) -> Plan:
+    if isinstance(curvature, FieldFilm):
+        first, window = cut_window(job, curvature, stack, where)
+        if stack.resin_scatters:
+            raise InputError(f"{where}: resin: scatters: the map must not vary along the grooves")
+        panel = field_section(curvature, window.origin[1], job.film.base)
+        piece = panel.cut(first, window.groove_count, window.size[1])
+        return Plan(job, process, stack, panel, piece, window, first, curvature)
+    panel = PrismFilm(
+        groove=Groove(job.film.pitch, job.film.depth),
+        base=job.film.base,
+        length=stack.panel_length,
+        profile=job.film.profile,
+        curvature=curvature,
+    )
+    first, piece = _cut_piece(job, stack, panel)
+    drawn = draw_piece(job, piece, measured, where)
+    return Plan(job, process, stack, panel, piece, drawn, first, measured=measured)
+
+
+def _as_written(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the curvatures as curvature.csv holds them, so that it alone defines the film."""
+    return np.array([float(f"{value:.9g}") for value in curvature])
+
+
+def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm]:
+    """Return the first groove and the piece: a lamp pitch from a central lamp on, or all."""
+    if job.cad.extent == "panel":
+        return 0, panel
+    pitch = panel.groove.pitch
+    count = min(groove_count(stack.lamp_pitch, pitch), panel.groove_count)
+    first = round(stack.lamp_position(central_lamp(stack)) / pitch)
+    first = min(max(first, 0), panel.groove_count - count)
+    return first, panel.cut(first, count, job.cad.length)
+
+
+def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> CurvatureMap:
+    uniform = job.map.curvature_per_mm
+    if uniform is not None:
+        where = f"{job_file}: map.curvature_per_mm"
+        check_curvature(uniform, groove, job.film.profile, where)
+        return CurvatureMap.uniform(uniform)
+    return read_curvature_map(
+        job_file.parent / job.map.file,
+        extent=job.map.extent,
+        repeat=job.map.repeat,
+        profile=job.film.profile,
+        groove=groove,
+        lamp_pitch=stack.lamp_pitch,
+        panel_width=stack.panel_width,
+    )
+
+
+def read_job_stack(job: Job, job_file: Path) -> Stack:
+    """Return the backlight of a job, its overrides in place.
+
+    Raises
+    ------
+    InputError
+        when a file or a value in it is wrong.
+    """
+    overrides = dict(job.stack.override)
+    index = job.film.refractive_index
+    if index is not None:
+        if "film_index" in overrides:
+            raise InputError(
+                f"{job_file}: stack.override.film_index: {overrides['film_index']}: "
+                f"must be left out when film.refractive_index is given"
+            )
+        overrides["film_index"] = index
+    overrides.update(job.resin.document() if job.resin else {})
+    file = job.stack.file
+    source = job.stack.preset if file is None else job_file.parent / file
+    try:
+        stack = read_stack(source, thickness=job.stack.thickness, overrides=overrides)
+    except InputError as error:
+        raise InputError(f"{job_file}: {error}") from None
+    if not stack.has_slot:
+        raise InputError(f"{job_file}: stack: {source}: has no film: a job needs one to make")
+    return stack
+
+
+def read_job_process(
+    job: Job, calibration: Path | None, groove: Groove, where: str
+) -> Process | None:
+    """Return the printing process; None for an `ideal` film, which no print can make, or for cells.
+
+    It is the mesh's when the job states its release, else that of the calibration, else built in.
+
+    Raises
+    ------
+    InputError
+        when the calibration or the mesh is wrong.
+    """
+    if job.film.profile != "filled" or job.film.cell != "groove":
+        return None
+    by_mesh = mesh_process(job.mask, calibration is not None, groove, where)
+    return by_mesh or read_process(calibration, groove)

@@ -1,0 +1,212 @@
+"""One point of a sweep: its film is made, read back and traced; the same wherever it is done."""
+
+import math
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.backlight import Quantity
+from mpfcad.errors import InputError
+from mpfcad.export import canonical_json, sha256
+from mpfcad.film import Groove
+from mpfcad.job import build_job
+from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
+from mpfcad.pipeline.effort import NO_GOAL
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.point.thickness_limit import spread_lamps
+from mpfcad.pipeline.progress import SILENT
+from mpfcad.pipeline.run.make import write_cad
+from mpfcad.units import deg
+
+_SEARCH = ("goal", "constraint", "search")
+#: Stands for the map until a design has found it.
+_ANY_CURVATURE = 50.0
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point that can be traced by any process that sees the files it names.
+
+    Attributes
+    ----------
+    coordinate
+        value of each axis
+    job
+        document of its job, its files by absolute path
+    where
+        name of the sweep's file, for messages
+    design
+        document of the design that finds its map; None where the job has one
+    half_width, path_limit
+        when its trace ends
+    """
+
+    coordinate: dict[str, Any]
+    job: dict[str, Any]
+    where: str
+    half_width: float
+    path_limit: int
+    design: dict[str, Any] | None = None
+
+    def plan(self) -> Plan:
+        """Return everything that is made of it.
+
+        Raises
+        ------
+        InputError
+            naming the point and what is wrong.
+        """
+        try:
+            return read_plan(build_job(self.job, self.where), Path(self.where))
+        except InputError as error:
+            raise InputError(f"{error} (at {describe_coordinate(self.coordinate)})") from None
+
+    def inputs(self) -> str:
+        """Return everything that its result depends on, files by their content, as text."""
+        plan = self.plan()
+        files = {
+            name: sha256(path) for name, path in plan.input_file.items() if path.suffix != ".toml"
+        }
+        named = ("map", "process", "stack")
+        tables = {
+            key: {k: Path(v).name if k in ("file", "calibration") else v for k, v in value.items()}
+            if key in named
+            else value
+            for key, value in self.job.items()
+        }
+        return canonical_json(
+            {
+                "coordinate": self.coordinate,
+                "job": tables,
+                "stack": plan.stack.inputs(),
+                "files": sorted(files.values()),
+                "trace": [self.half_width, self.path_limit],
+                "design": self.design and {k: self.design[k] for k in _SEARCH if k in self.design},
+            }
+        )
+
+
+def describe_coordinate(coordinate: dict[str, Any]) -> str:
+    """Return the values of the axes as text."""
+    return ", ".join(
+        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
+        for name, value in coordinate.items()
+    )
+
+
+def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
+    """Return a point of a sweep."""
+    document = sweep.job_document(coordinate)
+    for table, key in (("map", "file"), ("process", "calibration"), ("stack", "file")):
+        name = document.get(table, {}).get(key)
+        if name is not None:
+            document[table][key] = str((file.parent / name).resolve())
+    if FILL_AXIS in coordinate:
+        film = document.get("film", {})
+        groove = Groove(film.get("pitch_um", 50.0) / 1000, film.get("depth_um", 25.0) / 1000)
+        fill = coordinate[FILL_AXIS]
+        if not 0 <= fill < 1:
+            raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: must be 0 up to below 1")
+        document["map"] = {"curvature_per_mm": float(groove.curvature_of_fill(fill))}
+    if LAMP_AXIS in coordinate:
+        _spread_lamps(document, file, coordinate[LAMP_AXIS])
+    design = None
+    if sweep.design is not None:
+        tables = sweep.design.model_dump(mode="json", exclude_unset=True)
+        design = {**document, **tables}
+        document = {**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}
+    trace = sweep.trace
+    limit = round(trace.paths_million * 1e6)
+    return Point(coordinate, document, str(file), trace.half_width, limit, design)
+
+
+def _spread_lamps(document: dict[str, Any], file: Path, count: float) -> None:
+    """Write so many lamps, evenly over the panel's width, into a job's document."""
+    if count < 1 or count != int(count):
+        raise InputError(f"{file}: axis.{LAMP_AXIS}: {count:g}: must be whole and at least 1")
+    job = build_job({**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}, str(file))
+    width = read_job_stack(job, file).panel_width
+    override = document.setdefault("stack", {}).setdefault("override", {})
+    override.update(spread_lamps(width, int(count)))
+
+
+def conventional_point(like: Point, seed: int) -> Point:
+    """Return the conventional stack with a plain BEF, an empty groove, traced as long as `like`."""
+    empty = Groove(0.050, 0.025).curvature_empty
+    job = {
+        "schema": 1,
+        "name": "conventional",
+        "seed": seed,
+        "map": {"curvature_per_mm": empty},
+        "stack": {"preset": "thesis-32in-conventional"},
+    }
+    return Point({}, job, like.where, like.half_width, like.path_limit)
+
+
+def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
+    """Return the film's shift against the lamps [mm] where it is largest on the panel.
+
+    Shift as it is; stretch and a wrong lamp pitch grow from the panel's middle to its sides; a
+    rotated film's phase drifts along the lamps, to y tan(rotation) at their ends. The turn of the
+    grooves themselves is left out: its cosine is 1 within 1e-5 up to 0.25°.
+    """
+    stack = plan.stack
+    shift = coordinate.get("shift_mm", 0.0)
+    shift += coordinate.get("stretch_percent", 0.0) / 100 * stack.panel_width / 2
+    shift += coordinate.get("lamp_pitch_error_mm", 0.0) * (stack.lamp_count - 1) / 2
+    shift += math.tan(coordinate.get("rotation_deg", 0.0) * deg) * stack.panel_length / 2
+    return shift
+
+
+def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
+    """Return the figures of a point, in outside names."""
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+    from mpfcad.record import describe_luminance
+
+    with tempfile.TemporaryDirectory() as temporary:
+        searched, plan = _search(point, Path(temporary), threads)
+    stack, shift = plan.stack, local_shift(plan, point.coordinate)
+    error = point.coordinate.get("lamp_pitch_error_mm", 0.0)
+    if error:
+        wrong = Quantity(stack.lamp_pitch + error, "given", "axis of the sweep")
+        stack = stack.with_values({"lamp_pitch_mm": wrong})
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        write_cad(plan, folder, ("stl",), SILENT)
+        lit = light_film(stack, folder / "film.stl", plan.offset + shift)
+        run = TraceRun(seed=plan.job.seed, threads=threads, path_limit=point.path_limit)
+        found = luminance_over_pitch(lit, run, half_width_goal=point.half_width or NO_GOAL)
+    return {
+        "coordinate": point.coordinate,
+        "local_shift_mm": shift,
+        "curvature_min_per_mm": float(plan.piece.curvature.min()),
+        "curvature_max_per_mm": float(plan.piece.curvature.max()),
+        "search": searched,
+        **describe_luminance(found),
+    }
+
+
+def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | None, Plan]:
+    """Return what a search of the point's map found, if there is one, and the plan with it."""
+    from mpfcad.job.design import Design
+    from mpfcad.job.reader import validate
+    from mpfcad.pipeline.design.reach import describe_reach
+    from mpfcad.pipeline.design.work import DesignWork
+
+    if point.design is None:
+        return None, point.plan()
+    design = validate(Design, point.design, point.where)
+    work = DesignWork(design, Path(point.where), folder / "design", threads, SILENT)
+    done = work.search_maps(design.goal.contrast_target)
+    reach = describe_reach(work, done) if design.search.method == "response" else None
+    work.write_map(folder / "map.csv", np.array(work.best(done).rows))
+    job = {**point.job, "map": {"file": str(folder / "map.csv"), "extent": "pitch"}}
+    searched = {
+        "series_per_mm": list(work.best(done).series),
+        "paths": sum(one.paths for one in done),
+        "reach": reach,
+    }
+    return searched, replace(point, job=job).plan()

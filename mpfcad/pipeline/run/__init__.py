@@ -1,0 +1,1 @@
+"""A job's way: make the files, examine them from disk, record, verify."""

@@ -1,0 +1,154 @@
+"""Finds out what the files of an export are worth: everything is read back from the folder.
+
+`run_job` and `verify_export` both call `examine`, so what is verified is what was shipped.
+"""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import read_stack
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.export import sha256
+from mpfcad.film import FieldPiece, Groove, PrismFilm
+from mpfcad.mask import Mask, MaskCheck
+from mpfcad.measure import (
+    Lit,
+    LuminanceResult,
+    TraceRun,
+    light_film,
+    luminance_over_pitch,
+)
+from mpfcad.pipeline.effort import TraceSetting, available_threads
+from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.resume import open_checkpoints
+from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
+
+#: The stack that every result is compared with: the thesis's own reference.
+BASELINE_PRESET = "thesis-32in-conventional"
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What the files of an export turned out to be.
+
+    Attributes
+    ----------
+    mask
+        check of each mask file by its name; empty without a mask
+    step, mesh
+        checks of film.step and film.stl
+    agreement
+        film.step against film.stl
+    curvature_difference
+        largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
+        without mask the map's C stands in for the mask's; where curvatures vary along the grooves,
+        that of their means in the mask from the map's, plus that of the facets from the map's;
+        None of a measured surface
+    traced_sha256
+        hash of the mesh file as it was traced
+    wanted_ratio
+        (n,) float64, mean aperture ratio that each groove of the panel should have; None without
+        mask
+    luminance, baseline
+        of this film, and of the conventional stack with a plain BEF
+    """
+
+    mask: dict[str, MaskCheck]
+    step: StepCheck
+    mesh: MeshCheck
+    agreement: Agreement
+    curvature_difference: float | None
+    traced_sha256: str
+    wanted_ratio: NDArray[np.float64] | None
+    luminance: LuminanceResult
+    baseline: LuminanceResult
+
+
+def examine(
+    folder: Path,
+    plan: Plan,
+    mask: Mask | None,
+    setting: TraceSetting,
+    threads: int | None,
+    progress: Progress,
+) -> Findings:
+    """Check and trace the files in `folder`.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    masks = {}
+    if mask is not None:
+        table = plan.job.mask
+        masks = check_masks(mask, phototool(table), folder, table.formats, progress)
+    cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
+    step, mesh = cad["step"], cad["stl"]
+    wanted = None if mask is None else mask.wanted_ratio
+    difference = _curvature_difference(plan, masks, mesh, wanted)
+    before = sha256(folder / "film.stl")
+    with open_checkpoints(progress) as checkpoints:
+        run = TraceRun(
+            plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
+            progress.trace,
+        )  # fmt: skip
+        progress.stage("tracing film.stl")
+        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+        luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+        progress.stage("tracing the conventional stack")
+        lit = light_baseline(plan.job.cad.angle_tolerance)
+        baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    return Findings(masks, step, mesh, agreement, difference, before, wanted, luminance, baseline)
+
+
+def _curvature_difference(
+    plan: Plan,
+    masks: dict[str, MaskCheck],
+    mesh: MeshCheck,
+    wanted_ratio: NDArray[np.float64] | None,
+) -> float | None:
+    """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
+    if mesh.curvature is None:
+        return None
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    if isinstance(plan.drawn, FieldPiece):
+        from mpfcad.cad.check.field import curvature_difference
+
+        # By way of the map: a mask tells the mean ratio of whole grooves, a mesh C at each place.
+        off = 0.0
+        for check in masks.values():
+            means = [plan.process.curvature(r) for r in (check.aperture_ratio, wanted_ratio)]
+            off = max(off, float(np.abs(means[0] - means[1])[piece].max()))
+        return off + curvature_difference(plan.drawn, mesh.curvature)
+    if plan.process is None:
+        expected = [plan.panel.curvature[piece]]
+    else:
+        expected = [plan.process.curvature(check.aperture_ratio[piece]) for check in masks.values()]
+    return max(float(np.max(np.abs(values - mesh.curvature))) for values in expected)
+
+
+def light_baseline(angle_tolerance: float) -> Lit:
+    """Return a plain BEF, written to a file and read back, in the conventional stack."""
+    from mpfcad.cad import write_stl
+
+    stack = read_stack(BASELINE_PRESET)
+    with tempfile.TemporaryDirectory() as temporary:
+        mesh = Path(temporary) / "bef.stl"
+        write_stl(baseline_film(stack.lamp_pitch), mesh, angle_tolerance)
+        return light_film(stack, mesh)
+
+
+def baseline_film(lamp_pitch: float) -> PrismFilm:
+    """Return the plain BEF of the thesis over one lamp pitch [mm]."""
+    from mpfcad.pipeline.plan.plan import groove_count
+
+    groove = Groove(0.050, 0.025)
+    count = groove_count(lamp_pitch, groove.pitch)
+    empty = np.full(count, groove.curvature_empty)
+    return PrismFilm(groove, base=0.2, length=2.0, profile="filled", curvature=empty)

@@ -1,0 +1,202 @@
+"""Writes the files of a plan into a folder; what they are worth is examined from the files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpfcad.cad import Agreement
+from mpfcad.errors import InputError
+from mpfcad.film import MadeFilm
+from mpfcad.job import Job, MaskTable
+from mpfcad.mask import Mask, MaskCheck, Phototool
+from mpfcad.pipeline.plan.drawing import Check, drawing_of
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS, build_grid
+from mpfcad.pipeline.plan.plan import Plan, groove_count
+from mpfcad.pipeline.plan.screen import mask_rules
+from mpfcad.pipeline.progress import Progress
+
+MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
+CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
+#: What `run` makes: the CAD file and the mesh that is traced.
+RUN_CAD_FORMATS = ("step", "stl")
+MASK_PICTURE, MASK_MARKERS = "mask.png", "mask.lyrdb"
+
+
+def plan_mask(plan: Plan) -> Mask | None:
+    """Return the mask of a plan; None for a film that no print can make.
+
+    Raises
+    ------
+    InputError
+        naming the grooves whose aperture or web would be too small.
+    """
+    from mpfcad.mask import build_mask
+
+    if plan.process is None:
+        return None
+    rules = mask_rules(plan.job.mask, plan.job.name)
+    return build_mask(plan.field_film or plan.panel, plan.process, rules, plan.job.name)
+
+
+def write_curvature(plan: Plan, folder: Path) -> None:
+    """Write curvature.csv, one row a groove of the panel, or curvature.npz of a map C(x, y)."""
+    plan.write_curvature(folder)
+
+
+def phototool(table: MaskTable) -> Phototool:
+    """Return how a job wants its artwork."""
+    from mpfcad.mask import Phototool
+
+    return Phototool(
+        table.polarity, table.mirror, table.emulsion_side, tuple(table.furniture), table.tif_dpi
+    )
+
+
+def write_masks(
+    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+) -> None:
+    """Write mask.oas, mask.gds and the like."""
+    from mpfcad.mask import write_mask
+
+    for name in formats:
+        progress.stage(f"writing mask.{name}")
+        write_mask(mask, folder / f"mask.{name}", tool)
+
+
+def check_masks(
+    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+) -> dict[str, MaskCheck]:
+    """Return the check of each mask file by its name.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.mask import check_mask
+
+    checks = {}
+    for name in (f"mask.{suffix}" for suffix in formats):
+        progress.stage(f"checking {name}")
+        checks[name] = check_mask(folder / name, mask, tool)
+    return checks
+
+
+def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck]) -> None:
+    """Write mask.lyrdb, the markers of what is too narrow, and mask.png, from the first file."""
+    from mpfcad.mask import write_markers, write_preview
+
+    if not checks:
+        return
+    name = next((n for n, check in checks.items() if check.windows), next(iter(checks)))
+    write_preview(folder / MASK_PICTURE, folder / name, checks[name])
+    if checks[name].windows:
+        write_markers(folder / MASK_MARKERS, name, checks[name].windows)
+
+
+def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progress) -> None:
+    """Write film.step, film.stl, film.3mf, film.ply, and height maps."""
+    from mpfcad.cad.file.height import write_heights
+
+    drawing = drawing_of(plan.drawn, plan.job.cad)
+    for suffix in formats:
+        progress.stage(f"writing film.{suffix}")
+        path = folder / f"film.{suffix}"
+        if suffix in HEIGHT_FORMATS:
+            write_heights(build_grid(plan.drawn, plan.job.cad), path, plan.job.name)
+        else:
+            drawing.write(path, plan.job.name)
+
+
+def check_cad(
+    plan: Plan, folder: Path, formats: Sequence[str], progress: Progress
+) -> tuple[dict[str, Check], Agreement | None]:
+    """Return the check of each CAD file in `folder` by format, and of STEP against STL.
+
+    The last is None unless both are there.
+
+    Raises
+    ------
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    from mpfcad.cad.file.height import check_heights
+
+    drawing = drawing_of(plan.drawn, plan.job.cad)
+    checks = {}
+    for suffix in formats:
+        progress.stage(f"checking film.{suffix}")
+        path = folder / f"film.{suffix}"
+        if suffix in HEIGHT_FORMATS:
+            check_heights(path, build_grid(plan.drawn, plan.job.cad))
+        else:
+            checks[suffix] = drawing.check(path)
+    if not {"step", "stl"} <= set(formats):
+        return checks, None
+    progress.stage("comparing film.step with film.stl")
+    volume = sum(checks["step"].bodies.values())
+    files = folder / "film.step", folder / "film.stl"
+    return checks, drawing.compare(*files, volume)
+
+
+def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
+    """Write and check film-01.stl, film-02.stl, … of one lamp pitch each; return their names.
+
+    Each has as many whole grooves as cover the pitch (the last what is left) and its own x from 0,
+    so that float32 is as fine in the last tile as in the first; the header states where it lies.
+
+    Raises
+    ------
+    ExportError
+        when a tile does not read back as what it should hold.
+    """
+    film = plan.drawn
+    grooves = film.film if isinstance(film, MadeFilm) else film
+    count = groove_count(plan.stack.lamp_pitch, grooves.groove.pitch)
+    names = []
+    for first in range(0, grooves.groove_count, count):
+        tile = drawing_of(film.cut(first, count, grooves.length), plan.job.cad)
+        names.append(f"film-{len(names) + 1:02}.stl")
+        progress.stage(f"writing {names[-1]}")
+        place = f"x0 = {first * grooves.groove.pitch:.6g} mm"
+        tile.write(folder / names[-1], f"{place}, {plan.job.name}")
+        tile.check(folder / names[-1])
+    return names
+
+
+def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
+    """Refuse CAD formats that the kind of film is not written in.
+
+    Raises
+    ------
+    InputError
+        naming the format, or `cad.stl` for tiles of cells.
+    """
+    allowed = drawing_of(plan.drawn, plan.job.cad).formats
+    unknown = [name for name in formats if name not in allowed]
+    if unknown:
+        raise InputError(f"--format: {unknown[0]}: such a film is written as {', '.join(allowed)}")
+    one_piece = plan.job.film.cell != "groove" or plan.field_film is not None
+    if plan.job.cad.stl == "tiles" and one_piece:
+        raise InputError(
+            f"{where}: cad.stl: tiles: must be 'whole' for cells and maps that vary along grooves"
+        )
+
+
+def refuse_unprintable(job: Job, where: str) -> None:
+    """Refuse to make a mask of an `ideal` film, or of cells.
+
+    Raises
+    ------
+    InputError
+        when the film's profile is `ideal`, or its cells are no grooves.
+    """
+    if job.film.cell != "groove":
+        raise InputError(
+            f"{where}: film.cell: {job.film.cell}: the process is calibrated for grooves, so there "
+            f"is no mask: must be 'groove'"
+        )
+    if job.film.profile != "filled":
+        raise InputError(
+            f"{where}: film.profile: ideal: resin cannot fill below the walls, so there is no "
+            f"mask: must be 'filled'"
+        )

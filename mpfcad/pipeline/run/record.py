@@ -1,0 +1,214 @@
+"""Findings and plan -> verification.json: inputs with their tags, provenance, gates."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.backlight import PRISM_FILE
+from mpfcad.export import sha256
+from mpfcad.job import FilmTable, Job
+from mpfcad.mask import Mask
+from mpfcad.pipeline.effort import TraceSetting
+from mpfcad.pipeline.plan.field import FIELD_FILE
+from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, describe_stack
+from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
+from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
+from mpfcad.record import Checks, build_gates, build_verification
+from mpfcad.report import Evidence
+
+#: What the figures and the files come from, besides mpfcad.
+PACKAGES = (
+    "mpfcad",
+    "numpy",
+    "scipy",
+    "numba",
+    "build123d",
+    "gdstk",
+    "klayout",
+    "ezdxf",
+    "tifffile",
+    "pillow",
+    "trimesh",
+    "plotly",
+)
+#: Job tables whose values are inputs of the result, and where their defaults come from.
+DEFAULT_SOURCES = {
+    "map": ("given", "the job"),
+    "film": ("sourced", "Hsieh, MPF thesis: BEF of 25 µm × 50 µm, index-matched resin"),
+    "mask": ("assumed", "default: usual screen-printing limits"),
+    "cad": ("assumed", "default"),
+    "gates": ("sourced", "Hsieh, MPF thesis: conventional stack 0.012, acceptance limit 0.018"),
+}
+
+
+def build_record(
+    folder: Path,
+    plan: Plan,
+    findings: Findings,
+    setting: TraceSetting,
+    provenance: dict[str, Any],
+) -> dict[str, Any]:
+    """Return verification.json of the files in `folder`."""
+    job = plan.job
+    hashes = file_hashes(folder)
+    checks = Checks(
+        findings.mask,
+        findings.step,
+        findings.mesh,
+        findings.agreement,
+        findings.curvature_difference,
+        findings.traced_sha256 == hashes["film.stl"],
+    )
+    gates = build_gates(
+        checks,
+        findings.luminance,
+        contrast_pass=job.gates.contrast_pass,
+        contrast_marginal=job.gates.contrast_marginal,
+    )
+    return build_verification(
+        name=job.name,
+        gates=gates,
+        checks=checks,
+        luminance=findings.luminance,
+        baseline=findings.baseline,
+        baseline_stack=BASELINE_PRESET,
+        inputs=list_inputs(plan),
+        process=plan.process.describe() if plan.process else None,
+        curvature=compare_curvature(plan, findings),
+        provenance={
+            "sha256": hashes,
+            "traced": {
+                "file": "film.stl",
+                "sha256": findings.traced_sha256,
+                "offset_mm": plan.offset,
+            },
+            **provenance,
+        },
+        job={
+            "resolved": job.document(),
+            "given": job.given(),
+            "calibration": plan.calibration,
+            "measured_mm": None if plan.measured is None else plan.measured.tolist(),
+            "stack": describe_stack(plan.stack),
+            "trace": setting.document(),
+        },
+    )
+
+
+def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
+    """Return the piece's curvatures as wanted and as each mask file gives them; None without mask.
+
+    The largest difference is that over all grooves of the panel and all files.
+    """
+    if plan.process is None or not findings.mask:
+        return None
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    wanted = plan.panel.curvature
+    if plan.field_film is not None:
+        # What the mask has of a groove is one ratio: the curvature that its mean would give.
+        wanted = plan.process.curvature(findings.wanted_ratio)
+    found = {
+        name: plan.process.curvature(check.aperture_ratio) for name, check in findings.mask.items()
+    }
+    return {
+        "first_groove": plan.first_groove,
+        "wanted_per_mm": [float(value) for value in wanted[piece]],
+        "recovered_per_mm": {
+            name: [float(value) for value in values[piece]] for name, values in found.items()
+        },
+        "difference_max_per_mm": max(
+            float(np.abs(values - wanted).max()) for values in found.values()
+        ),
+    }
+
+
+def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findings) -> Evidence:
+    """Return what the report shows besides verification.json."""
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    check = next(iter(findings.mask.values()), None)
+    return Evidence(
+        folder=folder,
+        stack=plan.stack,
+        panel=plan.panel,
+        piece=plan.piece,
+        drawn=plan.drawn,
+        first_groove=plan.first_groove,
+        lamp_position=plan.lamp_position,
+        mask_period=plan.job.mask.period if mask is None else mask.period,
+        aperture_ratio=None if check is None else check.aperture_ratio[piece],
+    )
+
+
+def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
+    """Return what cannot be found again from the export: inputs' hashes, versions, command."""
+    return {
+        "inputs_sha256": {name: sha256(path) for name, path in sorted(plan.input_file.items())},
+        "versions": versions(),
+        "seed": plan.job.seed,
+        "threads": "any: results do not depend on it",
+        "command": f"mpfcad run {job_file.name} --effort {effort}",
+    }
+
+
+def file_hashes(folder: Path) -> dict[str, str]:
+    """Return the SHA-256 of every file that was made before verification.json, by name."""
+    masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
+    meshes = (PRISM_FILE, *(path.name for path in sorted(folder.glob("stack-*.stl"))))
+    made = (*masks, "film.step", "film.stl", *meshes, CURVATURE_FILE, FIELD_FILE)
+    return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
+
+
+def list_inputs(plan: Plan) -> list[dict[str, Any]]:
+    """Return every input of the result, each tagged `given`, `sourced` or `assumed`."""
+    inputs = [
+        entry
+        for table in DEFAULT_SOURCES
+        for entry in _table_inputs(plan.job, table)
+        if table != "mask" or plan.is_printable
+    ]
+    if plan.process is not None:
+        inputs.append(_process_input(plan))
+    stack = [{**entry, "name": f"stack.{entry['name']}"} for entry in plan.stack.inputs()]
+    return inputs + stack
+
+
+def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
+    tag, source = DEFAULT_SOURCES[table]
+    model = getattr(job, table)
+    stated = model.model_fields_set if table in job.model_fields_set else set()
+    return [
+        {
+            "name": f"{table}.{key}",
+            "value": value,
+            "tag": "given" if key in stated else tag,
+            "source": "the job" if key in stated else source,
+        }
+        for key, value in model.model_dump(mode="json").items()
+        if value is not None
+        and not (table == "film" and key in FilmTable.UNUSUAL and key not in stated)
+    ]
+
+
+def _process_input(plan: Plan) -> dict[str, Any]:
+    given = plan.job.process.calibration is not None
+    factor = plan.process.transfer_factor
+    return {
+        "name": "process.transfer_factor" if factor is not None else "process.table",
+        "value": factor if factor is not None else f"{len(plan.process.knot_ratio)} rows",
+        "tag": "given" if given else "sourced",
+        "source": " Note: ".join([plan.process.source, "; ".join(plan.process.caveats)]),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of every package that the result depends on."""
+    found = {"python": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

@@ -1,0 +1,203 @@
+"""`run_job`: plan -> files -> examined from the files -> verdict; and the single steps alone."""
+
+from pathlib import Path
+from typing import Any
+
+from mpfcad.errors import InputError
+from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.job import Job
+from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.plan.field import refuse_single
+from mpfcad.pipeline.plan.plan import Plan, read_plan
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.run.make import (
+    RUN_CAD_FORMATS,
+    check_cad,
+    check_masks,
+    phototool,
+    plan_mask,
+    refuse_formats,
+    write_cad,
+    write_curvature,
+    write_mask_pictures,
+    write_masks,
+    write_tiles,
+)
+from mpfcad.pipeline.run.mask_plan import read_mask_plan
+from mpfcad.pipeline.run.repair import repair_mesh
+from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
+
+VERIFICATION = "verification.json"
+REPORT = "report.html"
+SCREEN = "screen.json"
+
+
+def default_out(job: Job) -> Path:
+    """Return where a job's results go unless told otherwise."""
+    return Path("exports") / job.name
+
+
+def run_job(
+    job: Job,
+    job_file: Path,
+    out: Path,
+    *,
+    effort: str | None = None,
+    threads: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Make, check and trace a job into the folder `out`; return its verification.json.
+
+    Raises
+    ------
+    InputError
+        when the job or a file it names is wrong; `out` is then as it was.
+    ExportError
+        when a file does not read back as what it should hold; `out` is then as it was.
+    """
+    effort = effort or job.trace.effort
+    progress.stage(f"reading {job_file}")
+    plan = read_plan(job, job_file)
+    if plan.field_film is not None:
+        refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
+    mask = plan_mask(plan)
+    with export_folder(out, "run") as folder:
+        write_curvature(plan, folder)
+        if mask is not None:
+            write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
+        write_cad(plan, folder, RUN_CAD_FORMATS, progress)
+        write_stack_meshes(plan, folder, progress)
+        return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
+
+
+def _examine_and_report(
+    folder: Path,
+    plan: Plan,
+    mask: Any,
+    job_file: Path,
+    effort: str,
+    threads: int | None,
+    progress: Progress,
+) -> dict[str, Any]:
+    from mpfcad.pipeline.run.examine import examine
+    from mpfcad.pipeline.run.record import build_provenance, build_record, gather_evidence
+    from mpfcad.report import write_report
+
+    setting = TRACE_SETTINGS[effort]
+    findings = examine(folder, plan, mask, setting, threads, progress)
+    write_mask_pictures(folder, findings.mask)
+    provenance = build_provenance(plan, job_file, effort)
+    record = build_record(folder, plan, findings, setting, provenance)
+    write_text(folder / VERIFICATION, canonical_json(record))
+    progress.stage("writing report.html")
+    write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
+    write_manifest(folder, plan.job.name, "run")
+    return record
+
+
+def make_mask(
+    job: Job,
+    job_file: Path,
+    out: Path,
+    formats: tuple[str, ...] | None = None,
+    progress: Progress = SILENT,
+) -> None:
+    """Make and check only the mask files of a job; `formats` None: those the job names.
+
+    Raises
+    ------
+    InputError
+        when the job is wrong or no print can make its film.
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    progress.stage(f"reading {job_file}")
+    plan = read_mask_plan(job, job_file)
+    with export_folder(out, "mask") as folder:
+        if plan.plan is not None:
+            write_curvature(plan.plan, folder)
+        tool = phototool(job.mask)
+        formats = formats or tuple(job.mask.formats)
+        write_masks(plan.mask, tool, folder, formats, progress)
+        write_mask_pictures(folder, check_masks(plan.mask, tool, folder, formats, progress))
+        progress.stage("writing screen.json")
+        write_text(folder / SCREEN, canonical_json(plan.describe()))
+        write_manifest(folder, job.name, "mask")
+
+
+def make_cad(
+    job: Job, job_file: Path, out: Path, formats: tuple[str, ...], progress: Progress = SILENT
+) -> list[str]:
+    """Make and check only the CAD files of a job; return their names.
+
+    Raises
+    ------
+    InputError
+        when the job is wrong.
+    ExportError
+        when a file does not read back as what it should hold.
+    """
+    progress.stage(f"reading {job_file}")
+    plan = read_plan(job, job_file)
+    refuse_formats(plan, formats, str(job_file))
+    tiled = job.cad.stl == "tiles" and "stl" in formats
+    whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
+    names = [f"film.{suffix}" for suffix in whole]
+    with export_folder(out, "cad") as folder:
+        write_curvature(plan, folder)
+        write_cad(plan, folder, whole, progress)
+        check_cad(plan, folder, whole, progress)
+        names += write_tiles(plan, folder, progress) if tiled else []
+        write_manifest(folder, job.name, "cad")
+    return names
+
+
+def trace_mesh(
+    mesh: Path | None,
+    stack: str,
+    thickness: float | None,
+    offset: float,
+    seed: int,
+    effort: str,
+    threads: int | None,
+    progress: Progress = SILENT,
+    prism: Path | None = None,
+    repair: bool = False,
+) -> dict[str, Any]:
+    """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
+
+    `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
+    edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
+    With `repair` a mesh that is no solid is repaired into a file beside it, which is traced.
+
+    Raises
+    ------
+    InputError
+        when the mesh is no closed film or the stack is wrong.
+    """
+    from mpfcad.backlight import read_stack
+    from mpfcad.export import sha256
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+    from mpfcad.pipeline.resume import open_checkpoints
+    from mpfcad.record import describe_luminance
+
+    if mesh is not None and not mesh.is_file():
+        raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
+    setting = TRACE_SETTINGS[effort]
+    repaired = None
+    if repair and mesh is not None:
+        mesh, repaired = repair_mesh(mesh, progress)
+    progress.stage(f"tracing {mesh or stack}")
+    backlight = read_stack(stack, thickness=thickness).with_prism(prism)
+    lit = light_film(backlight, mesh, offset)
+    with open_checkpoints(progress) as checkpoints:
+        run = TraceRun(
+            seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
+        )
+        result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
+    tables = [{"file": t.name, "sha256": t.sha256} for t in backlight.tables.values()]
+    traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
+    if repaired:
+        traced["repaired_from"] = repaired
+    return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -1,0 +1,67 @@
+"""`verify_export`: hash every file, then find every figure again from the files, bit for bit."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from mpfcad.errors import ExportError, InputError
+from mpfcad.export import canonical_json, check_manifest
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.run.run import VERIFICATION
+
+#: Provenance that only the run itself could know; it is protected by the hash alone.
+OF_THE_RUN = ("inputs_sha256", "versions", "seed", "threads", "command")
+
+
+def verify_export(
+    folder: Path, *, threads: int | None = None, progress: Progress = SILENT
+) -> dict[str, Any]:
+    """Return verification.json of an export after finding it again from its files.
+
+    Raises
+    ------
+    InputError
+        when `folder` is no export of `mpfcad run`.
+    ExportError
+        naming the file that is changed, missing or foreign, or the figure that differs.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder: must be an export of mpfcad run")
+    progress.stage("hashing every file")
+    manifest = check_manifest(folder)
+    if VERIFICATION not in manifest["files"]:
+        raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
+    stored = json.loads((folder / VERIFICATION).read_text("utf-8"))
+    found = json.loads(canonical_json(_find_again(folder, stored, threads, progress)))
+    _compare(folder, stored, found)
+    return stored
+
+
+def _find_again(
+    folder: Path, stored: dict[str, Any], threads: int | None, progress: Progress
+) -> dict[str, Any]:
+    from mpfcad.pipeline.effort import TraceSetting
+    from mpfcad.pipeline.plan.plan import restore_plan
+    from mpfcad.pipeline.run.examine import examine
+    from mpfcad.pipeline.run.make import plan_mask
+    from mpfcad.pipeline.run.record import build_record
+
+    plan = restore_plan(folder, stored["job"])
+    setting = TraceSetting(**stored["job"]["trace"])
+    findings = examine(folder, plan, plan_mask(plan), setting, threads, progress)
+    provenance = {key: stored["provenance"][key] for key in OF_THE_RUN}
+    return build_record(folder, plan, findings, setting, provenance)
+
+
+def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> None:
+    from mpfcad.pipeline.run.record import versions
+    from mpfcad.record import find_difference
+
+    difference = find_difference(stored, found)
+    if difference is None:
+        return
+    made_with = stored["provenance"]["versions"]
+    other = [f"{key} {value}" for key, value in versions().items() if made_with.get(key) != value]
+    hint = f" (made with other versions than {', '.join(other)})" if other else ""
+    raise ExportError(f"{folder / VERIFICATION}: {difference}{hint}")

@@ -1,0 +1,1 @@
+"""The sweep command: points to a dataset and a page."""

@@ -1,0 +1,167 @@
+"""`run_sweep`: every point traced once, by any number of processes, and what they say together."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.job.sweep import Sweep
+from mpfcad.pipeline.effort import available_threads
+from mpfcad.pipeline.point.kept import find_kept, keep_result, point_file
+from mpfcad.pipeline.point.trace import (
+    Point,
+    build_point,
+    conventional_point,
+    describe_coordinate,
+    trace_point,
+)
+from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.run.record import versions
+from mpfcad.pipeline.sweep.curve import THICKNESS_AXIS, find_limits, find_optima, main_axis
+
+RECORD, DATASET, PAGE = "sweep.json", "sweep.nc", "sweep.html"
+
+
+def default_sweep_out(sweep: Sweep) -> Path:
+    """Return where a sweep's results go unless told otherwise."""
+    return Path("exports") / f"{sweep.name}-sweep"
+
+
+def run_sweep(
+    sweep: Sweep,
+    sweep_file: Path,
+    out: Path,
+    *,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Trace the points that are not yet there; write dataset and page into `out`.
+
+    Every finished point is a file of its own in a folder beside `out` and never traced again.
+    `scheduler` is the address of a Dask scheduler; None starts `workers` local processes. The
+    results do not depend on either.
+
+    Raises
+    ------
+    InputError
+        when the sweep or a point of it is wrong, before anything is traced.
+    """
+    sweep_file, out = Path(sweep_file), Path(out)
+    points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
+    if main_axis(sweep) == THICKNESS_AXIS:
+        points.append(conventional_point(points[0], sweep.seed))
+    folder = out.with_name(f".{out.name}.points")
+    files = [point_file(point, folder) for point in points]
+    found = {i: kept for i, file in enumerate(files) if (kept := find_kept(file)) is not None}
+    left = {i: point for i, point in enumerate(points) if i not in found}
+    progress.stage(f"{len(found)} of {len(points)} points are there")
+    if left:
+        if scheduler is None:
+            from mpfcad.optics.engine import compile_tracer
+
+            # Here, where it is told, and not by each worker for itself.
+            compile_tracer()
+        with _traced(left, scheduler, workers) as results:
+            for i, result in results:
+                found[i] = keep_result(files[i], result)
+                name = describe_coordinate(points[i].coordinate) or "the conventional stack"
+                progress.stage(f"{len(found)} of {len(points)} points: {name}")
+    ordered = [found[i] for i in range(len(points))]
+    count = sum(1 for _ in sweep.points())
+    conventional = ordered[count] if len(points) > count else None
+    ordered = ordered[:count]
+    record = _describe(sweep, ordered, conventional)
+    with export_folder(out, "sweep") as folder:
+        from mpfcad.report import write_sweep_page
+
+        write_text(folder / RECORD, canonical_json(record))
+        write_dataset(folder / DATASET, sweep, ordered)
+        write_sweep_page(folder / PAGE, record)
+        write_manifest(folder, sweep.name, "sweep")
+    return record
+
+
+@contextmanager
+def _traced(
+    points: dict[int, Point], scheduler: str | None, workers: int | None
+) -> Iterator[Iterator[tuple[int, dict[str, Any]]]]:
+    """Give the results as they come in, in any order; a task of a lost worker is done again."""
+    if scheduler is None and workers == 1:
+        yield ((i, trace_point(point)) for i, point in points.items())
+        return
+    from dask import config
+    from distributed import Client, LocalCluster, as_completed
+
+    # A worker that is killed costs its task one attempt; it is not the task's fault.
+    with config.set({"distributed.scheduler.allowed-failures": 10}):
+        cluster = scheduler or LocalCluster(
+            n_workers=workers or available_threads(),
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+        )
+        with Client(cluster) as client:
+            futures = {
+                client.submit(trace_point, point, pure=False): i for i, point in points.items()
+            }
+            yield ((futures[done], done.result()) for done in as_completed(futures))
+        if scheduler is None:
+            cluster.close()
+
+
+def _describe(
+    sweep: Sweep, results: list[dict[str, Any]], conventional: dict[str, Any] | None
+) -> dict[str, Any]:
+    limits = [] if conventional is None else find_limits(sweep, results, conventional)
+    return {
+        "schema": 1,
+        "name": sweep.name,
+        "sweep": sweep.document(),
+        "points": results,
+        "optima": find_optima(sweep, results),
+        "thickness_limits": limits,
+        "conventional": conventional,
+        "paths": sum(result["paths"] for result in results),
+        "versions": versions(),
+    }
+
+
+def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> None:
+    """Write the results as a netCDF file (version 3): one dimension an axis, and the position."""
+    import xarray
+
+    shape = tuple(len(values) for values in sweep.axis.values())
+
+    def grid(pick) -> np.ndarray:
+        values = np.array([pick(result) for result in results])
+        return values.reshape(shape + values.shape[1:])
+
+    # A dot cannot be in a name of every reader of netCDF.
+    axes = [axis.replace(".", "_") for axis in sweep.axis]
+    luminance = results[0]["luminance"]
+    unit = "cd m-2"
+    variables = {
+        "lamp_mura_contrast": grid(lambda r: r["lamp_mura_contrast"]["value"]),
+        "lamp_mura_contrast_low": grid(lambda r: r["lamp_mura_contrast"]["ci95"][0]),
+        "lamp_mura_contrast_high": grid(lambda r: r["lamp_mura_contrast"]["ci95"][1]),
+        "mean_luminance": grid(lambda r: r["mean_luminance_cd_m2"]["value"]),
+        "mean_luminance_low": grid(lambda r: r["mean_luminance_cd_m2"]["ci95"][0]),
+        "mean_luminance_high": grid(lambda r: r["mean_luminance_cd_m2"]["ci95"][1]),
+        "local_shift": grid(lambda r: r["local_shift_mm"]),
+        "paths": grid(lambda r: r["paths"]).astype(np.int32),
+    }
+    data = {}
+    for name, values in variables.items():
+        of = unit if name.startswith("mean") else "mm" if name == "local_shift" else "1"
+        data[name] = (axes, values, {"units": of})
+    for name in ("luminance", "standard_error"):
+        values = grid(lambda r, key=f"{name}_cd_m2": r["luminance"][key])
+        data[name] = ([*axes, "position_pitch"], values, {"units": unit})
+    coordinates = dict(zip(axes, sweep.axis.values(), strict=True))
+    coordinates["position_pitch"] = luminance["position_pitch"]
+    dataset = xarray.Dataset(data, coordinates, {"title": sweep.name, "seed": str(sweep.seed)})
+    dataset.to_netcdf(path, format="NETCDF3_64BIT", engine="scipy")

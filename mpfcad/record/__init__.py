@@ -1,0 +1,51 @@
+"""What was found, as plain values: gates and verdict, verification.json, measurements.
+
+`Gate` decides by the interval; `build_verification` puts everything that was found into plain
+values; `describe_…` does the same for single measures. Nothing here draws or writes a page.
+"""
+
+from mpfcad.record.measurement import (
+    MEASUREMENT_SCHEMA,
+    describe_angular,
+    describe_camera,
+    describe_conoscope,
+    describe_contrast,
+    describe_estimate,
+    describe_flux,
+    describe_panel,
+    describe_uniformity,
+    ratio,
+)
+from mpfcad.record.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
+from mpfcad.record.verification import (
+    CONTRAST_FORMULA,
+    Checks,
+    build_gates,
+    build_verification,
+    describe_luminance,
+    find_difference,
+)
+
+__all__ = [
+    "CONTRAST_FORMULA",
+    "MEASUREMENT_SCHEMA",
+    "OUTCOMES",
+    "Checks",
+    "Gate",
+    "Outcome",
+    "build_gates",
+    "build_verification",
+    "describe_angular",
+    "describe_camera",
+    "describe_conoscope",
+    "describe_contrast",
+    "describe_estimate",
+    "describe_flux",
+    "describe_luminance",
+    "describe_panel",
+    "describe_uniformity",
+    "exit_code",
+    "find_difference",
+    "ratio",
+    "worst_outcome",
+]

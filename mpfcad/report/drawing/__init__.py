@@ -1,0 +1,1 @@
+"""Drawings and plots of the report: SVG and plotly, no page around them."""

@@ -1,0 +1,167 @@
+"""The stack across the lamps, from the reflector up to the viewer, drawn from its values."""
+
+from itertools import pairwise
+
+from mpfcad.backlight import Stack
+from mpfcad.report.drawing import svg
+
+#: Sizes in the drawing: left edge, width, height of the cavity, of a layer and between layers.
+LEFT, WIDTH, CAVITY, LAYER, GAP = 20.0, 470.0, 190.0, 26.0, 12.0
+LAMPS = 3
+STYLE = {
+    "clear_plate": 'fill="#e3eef7" stroke="#7a94ab"',
+    "diffusing_plate": 'fill="#d5d9de" stroke="#7d858e"',
+    "bottom_sheet": 'fill="#efe6d8" stroke="#a08f70"',
+    "top_sheet": 'fill="#efe6d8" stroke="#a08f70"',
+}
+#: What a plate or sheet of one's own is drawn like.
+OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet"}
+FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
+RESIN = 'fill="#f2c572" stroke="none"'
+SOFT = 'font-size="12" fill="#5a6570"'
+
+
+def draw_stack(stack: Stack) -> str:
+    """Return the SVG of a stack; heights of layers are not to scale, the cavity is."""
+    height = 50 + CAVITY + len(stack.layers) * (LAYER + GAP)
+    floor = height - 26
+    parts = _draw_cavity(stack, floor)
+    top = floor - CAVITY
+    for i, layer in enumerate(stack.layers):
+        bonded = layer == "bonded_film"
+        top -= LAYER + (GAP if i and not bonded else 0)
+        parts += _draw(stack, layer, top)
+        parts += _label(top + LAYER / 2, stack.title_of(layer), _note(stack, layer))
+    parts.append(svg.text(LEFT, 16, "↑ viewer", SOFT))
+    return svg.picture(860, height, f"Stack {stack.name}", parts)
+
+
+def _draw_cavity(stack: Stack, floor: float) -> list[str]:
+    """Return reflector, lamps and the dimension of the cavity above `floor`."""
+    scale = CAVITY / stack.thickness
+    across = WIDTH / LAMPS
+    radius = max(stack["lamp_radius_mm"] * scale, 3)
+    y = floor - stack["lamp_height_mm"] * scale
+    parts = [svg.rectangle(LEFT, floor, WIDTH, 8, 'fill="#fff" stroke="#444"')]
+    for i in range(LAMPS):
+        x = LEFT + (i + 0.5) * across
+        parts.append(svg.circle(x, y, radius, 'fill="#ffe9a8" stroke="#b58a1b"'))
+    first, second, level = LEFT + across / 2, LEFT + 1.5 * across, y - radius - 12
+    parts += _dimension((first, level), (second, level), f"{stack.lamp_pitch:g} mm")
+    right = LEFT + WIDTH - 14
+    parts += _dimension((right, floor), (right, floor - CAVITY), f"{stack.thickness:g} mm")
+    specular = stack["reflector_specular_fraction"] * 100
+    note = f"reflectance {stack['reflector_reflectance']:g}, {specular:g} % of it specular"
+    if "reflector" in stack.tables:
+        note = f"by its BRDF table {stack.tables['reflector'].name}"
+    parts += _label(floor + 4, "reflector", note)
+    lamp = (
+        f"{stack.lamp_count}, radius {stack['lamp_radius_mm']:g} mm, axis "
+        f"{stack['lamp_height_mm']:g} mm up, {stack['lamp_luminance_cd_m2']:g} cd/m²"
+    )
+    return parts + _label(y - 8, "lamps", lamp)
+
+
+def _draw(stack: Stack, layer: str, top: float) -> list[str]:
+    """Return the picture of a layer from `top` down."""
+    if stack.kind_of(layer) != "film":
+        style = STYLE.get(layer, STYLE[OTHER[stack.kind_of(layer)]])
+        return [svg.rectangle(LEFT, top, WIDTH, LAYER, style)]
+    own = stack.own.get(layer)
+    if own is not None and abs(stack[f"{layer}.rotation_deg"]) % 180 > 1:
+        # Seen along its grooves a crossed film is a plain band.
+        return [svg.rectangle(LEFT, top, WIDTH, LAYER, FILM)]
+    return _draw_film(top, filled=stack.is_slot(layer), down=own is not None and own.flipped)
+
+
+def _draw_film(top: float, filled: bool, down: bool) -> list[str]:
+    """Return a film with prisms, whose grooves hold some resin if `filled`."""
+    parts = _upright_film(top, filled)
+    if not down:
+        return parts
+    return [f'<g transform="matrix(1 0 0 -1 0 {2 * top + LAYER:g})">', *parts, "</g>"]
+
+
+def _upright_film(top: float, filled: bool) -> list[str]:
+    count, depth = 24, 14.0
+    pitch = WIDTH / count
+    tips = [(LEFT + i * pitch, top) for i in range(count + 1)]
+    walls = [tips[0]]
+    resin = []
+    for (x, y), tip in pairwise(tips):
+        walls += [(x + pitch / 2, y + depth), tip]
+        low, level = y + depth, y + depth * 0.62
+        half = pitch / 2 * 0.38
+        middle = x + pitch / 2
+        corners = [(middle - half, level), (middle, low), (middle + half, level)]
+        resin.append(svg.polygon(corners, RESIN))
+    foot = [(LEFT + WIDTH, top + LAYER), (LEFT, top + LAYER)]
+    return [svg.polygon([*walls, *foot], FILM), *(resin if filled else ())]
+
+
+def _note(stack: Stack, layer: str) -> str:
+    """Return a layer's values in words."""
+    if layer in stack.own:
+        return _own_note(stack, layer)
+    if layer.endswith("sheet"):
+        sigma, share = stack[f"{layer}_sigma"], stack["sheet_transmission"] * 100
+        return f"σ = {sigma:g} of the direction cosines, {share:g} % of the light"
+    if layer.endswith("film"):
+        note = f"n = {stack['film_index']:g}"
+        if stack.resin_scatters:
+            scattering, g = stack["resin_scattering_per_mm"], stack["resin_asymmetry"]
+            note += f"; resin scatters {scattering:.3g} /mm, g = {g:.3g}"
+        return note
+    note = f"n = {stack['plate_index']:g}, {stack['plate_thickness_mm']:g} mm"
+    if layer == "diffusing_plate":
+        note += (
+            f", scattering {stack['plate_scattering_per_mm']:.4g} /mm, "
+            f"g = {stack['plate_asymmetry']:.4g}"
+        )
+    return note
+
+
+def _own_note(stack: Stack, layer: str) -> str:
+    """Return the values of a layer's own in words."""
+    kind = stack.own[layer].kind
+    if kind == "bsdf":
+        return stack.tables[layer].name
+
+    def value(key: str) -> float:
+        return stack[f"{layer}.{key}"]
+
+    if kind == "sheet":
+        share = value("transmission") * 100
+        return f"σ = {value('sigma'):g} of the direction cosines, {share:g} % of the light"
+    note = f"n = {value('index'):g}"
+    if kind == "plate":
+        note += f", {value('thickness_mm'):g} mm"
+        if value("scattering_per_mm") > 0:
+            note += f", scattering {value('scattering_per_mm'):g} /mm, g = {value('asymmetry'):g}"
+        return note
+    if kind == "bef":
+        note += f", prisms {value('pitch_um'):g} × {value('depth_um'):g} µm"
+    turn = value("rotation_deg")
+    return f"{note}, turned {turn:g}°" if turn else note
+
+
+def _label(y: float, name: str, note: str) -> list[str]:
+    x = LEFT + WIDTH + 16
+    return [
+        svg.text(x, y - 1, name, 'font-size="13" font-weight="600"'),
+        svg.text(x, y + 13, note, SOFT),
+    ]
+
+
+def _dimension(start: tuple[float, float], end: tuple[float, float], label: str) -> list[str]:
+    """Return a dimension line, horizontal or upward, with its label."""
+    style = 'stroke="#5a6570" stroke-width="1"'
+    (x1, y1), (x2, y2) = start, end
+    parts = [svg.line(x1, y1, x2, y2, style)]
+    if y1 == y2:
+        parts += [svg.line(x, y1 - 4, x, y1 + 4, style) for x in (x1, x2)]
+        parts.append(svg.text((x1 + x2) / 2, y1 - 6, label, SOFT + ' text-anchor="middle"'))
+    else:
+        parts += [svg.line(x1 - 4, y, x1 + 4, y, style) for y in (y1, y2)]
+        parts.append(svg.text(x1 - 8, (y1 + y2) / 2, label, SOFT + ' text-anchor="end"'))
+    return parts

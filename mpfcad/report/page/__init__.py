@@ -1,0 +1,1 @@
+"""Pages of HTML: verdict, measures, designs, sweeps, comparisons."""

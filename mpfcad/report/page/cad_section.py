@@ -1,0 +1,104 @@
+"""The report's section on film.step and film.stl: figures, drawings, the film in 3-D."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mpfcad.film import CellFilm, FieldPiece
+from mpfcad.report.drawing.cell_view import cell_view
+from mpfcad.report.drawing.dimension_drawing import draw_dimensions
+from mpfcad.report.drawing.field_view import field_view
+from mpfcad.report.drawing.figure import figure_html
+from mpfcad.report.drawing.groove_drawing import draw_grooves
+from mpfcad.report.drawing.groove_view import groove_view
+from mpfcad.report.page.evidence import Evidence
+from mpfcad.report.page.table import fact_table, figure, short
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+Record = dict[str, Any]
+
+
+def cad_section(record: Record, evidence: Evidence) -> str:
+    """Return what film.step and film.stl hold, and a few grooves in cross-section."""
+    step, mesh = record["step"], record["mesh"]
+    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
+    rows = [
+        ("both: extent", _extent(evidence)),
+        ("film.step: bodies", bodies),
+        ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
+        ("film.stl: facets", short(mesh["triangle_count"])),
+        ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
+        ("film.stl: facet normals, rms / of the facet nearest to its limit",
+         f"{short(mesh['normal_error_deg_rms'], 3)}° / {short(mesh['normal_error_deg_max'], 3)}°"),
+        ("film.stl: slopes against the profile's secants, rms / of the worst groove",
+         _or_none(mesh["secant_error_deg_rms"], "°") + " / "
+         + _or_none(mesh["secant_error_deg_rms_worst_groove"], "°")),
+        ("film.stl against film.step: largest distance / difference of volume",
+         f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
+         f"{short(record['step_mesh']['volume_difference'], 3)}"),
+        ("mask against film.stl: largest difference of C",
+         _or_none(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
+    ]  # fmt: skip
+    stl = evidence.folder / "film.stl"
+    cells = isinstance(evidence.drawn, CellFilm)
+    view = figure(figure_html(_shown(stl, evidence), "grooves"), _view_words(evidence))
+    what = "A section through the cells' tips" if cells else "The first groove of the piece"
+    drawing = figure(
+        draw_dimensions(evidence.made, 0),
+        f"{what} with its dimensions, to scale. z<sub>0</sub> is the height of the parabola's "
+        "vertex above the valley; contact is where it meets the walls.",
+    )
+    if cells:
+        return fact_table(rows) + view + drawing
+    return (
+        fact_table(rows)
+        + view
+        + drawing
+        + figure(
+            draw_grooves(stl, evidence.made, evidence.shown_groove),
+            "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
+            "from film.stl: prism blue, resin yellow. The base goes on below.",
+        )
+    )
+
+
+def _shown(stl: Path, evidence: Evidence) -> "go.Figure":
+    """Return the drawing of film.stl in three dimensions."""
+    if isinstance(evidence.drawn, CellFilm):
+        return cell_view(stl, evidence.drawn)
+    if isinstance(evidence.drawn, FieldPiece):
+        return field_view(stl, evidence.drawn)
+    return groove_view(stl, evidence.made)
+
+
+def _view_words(evidence: Evidence) -> str:
+    what = "Cells" if isinstance(evidence.drawn, CellFilm) else "Grooves"
+    how = "in true proportion"
+    if isinstance(evidence.drawn, FieldPiece):
+        how = "over its whole length, drawn shortened; a section is in true proportion"
+    return (
+        f"{what} in the middle of the piece {how}; turn with the mouse. The surface is that of "
+        "film.stl; the base goes on below."
+    )
+
+
+def _extent(evidence: Evidence) -> str:
+    """Return size and number of what the CAD files hold, and where it lies on the panel."""
+    place = f"x = 0 is {evidence.piece.origin:.6g} mm from the panel's edge"
+    if isinstance(evidence.drawn, CellFilm):
+        cells = evidence.drawn
+        size = (*cells.size, cells.thickness)
+        number = f"{cells.count[0]} × {cells.count[1]} cells"
+    elif isinstance(evidence.drawn, FieldPiece):
+        piece = evidence.drawn
+        size, number = (*piece.size, piece.thickness), f"{piece.groove_count} grooves"
+        place += f", y = 0 {piece.origin[1]:.6g} mm"
+    else:
+        film = evidence.made.film
+        size, number = (film.width, film.length, film.thickness), f"{film.groove_count} grooves"
+    return " × ".join(f"{part:.6g}" for part in size) + f" mm, {number}; {place}"
+
+
+def _or_none(value: float | None, unit: str) -> str:
+    return "not applicable" if value is None else f"{short(value, 3)}{unit}"

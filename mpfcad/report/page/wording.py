@@ -1,0 +1,103 @@
+"""The report's words: what each gate means, and the verdict as a sentence."""
+
+from html import escape
+from typing import Any
+
+from mpfcad.report.page.table import short, with_interval
+
+#: Gate -> (what it is, how it is computed); both HTML.
+GATES = {
+    "lamp_mura_contrast": (
+        "Lamp-Mura contrast",
+        "(L<sub>max</sub> − L<sub>min</sub>) / (L<sub>max</sub> + L<sub>min</sub>) "
+        "over one lamp pitch",
+    ),
+    "mask_aperture_ratio_error": (
+        "Mask: aperture ratio",
+        "max |read back from the file − wanted| over all grooves",
+    ),
+    "mask_rule_violations": (
+        "Mask: apertures and webs",
+        "places narrower than min_aperture_um or min_web_um in sampled windows, by klayout",
+    ),
+    "step_valid": ("STEP: valid solids", "checked by OCCT after reading the file again"),
+    "step_volume_error": ("STEP: volume", "max |V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
+    "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
+    "mesh_volume_error": ("STL: volume", "|V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
+    "mesh_normal_error_deg": (
+        "STL: facet normals [°]",
+        "angle to the true surface at the facet's ends, of the facet nearest to its limit",
+    ),
+    "step_mesh_distance_um": (
+        "STL against STEP [µm]",
+        "largest distance of a corner of the STL from the STEP's surfaces; limit: float32 and 1 nm",
+    ),
+    "step_mesh_volume_difference": (
+        "STL against STEP: volume",
+        "|V<sub>STL</sub> / V<sub>STEP</sub> − 1|",
+    ),
+    "mask_mesh_curvature_difference_per_mm": (
+        "Mask against STL [1/mm]",
+        "max |C from the mask's aperture ratio − C from the STL's facets|",
+    ),
+    "traced_file_is_shipped_file": (
+        "The traced file is the shipped file",
+        "SHA-256 of film.stl when traced and in this export",
+    ),
+    "energy_imbalance_sigma": (
+        "Energy balance [σ]",
+        "|in − out − absorbed − lost| in standard errors, by a forward trace",
+    ),
+    "energy_lost": ("Lost light", "weight of paths that ended nowhere / weight of all paths"),
+}
+#: Gates whose value is yes or no.
+YES_NO = ("step_valid", "mesh_watertight", "traced_file_is_shipped_file")
+
+_SENTENCES = {
+    "PASS": "The lamps cannot be seen: the contrast is within {limit} with 95 % confidence.",
+    "MARGINAL": "The lamps can barely be seen: the contrast is within the acceptance limit "
+    "{marginal} with 95 % confidence, but not surely within {limit}.",
+    "INCONCLUSIVE": "Not decided: the contrast's 95 % interval straddles the acceptance limit "
+    "{marginal}. Trace longer (--effort standard or final).",
+    "FAIL": "The lamps can be seen: the contrast is above the acceptance limit {marginal} with "
+    "95 % confidence.",
+}
+
+
+def verdict_words(record: dict[str, Any]) -> str:
+    """Return the verdict in words: the contrast, the light, and every other gate not passed."""
+    gate = record["gates"][0]
+    words = _SENTENCES[gate["outcome"]].format(
+        limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
+    )
+    contrast = with_interval(record["lamp_mura_contrast"], 4)
+    relative = record["relative_luminance"] * 100
+    words += (
+        f" Lamp-Mura contrast {contrast}; mean normal luminance {relative:.1f} % of the "
+        f"conventional stack's."
+    )
+    failed = [GATES[g["name"]][0] for g in record["gates"][1:] if g["outcome"] != "PASS"]
+    if failed:
+        words += " Not passed: " + ", ".join(failed) + "."
+    return words
+
+
+def gate_row(gate: dict[str, Any]) -> list[Any]:
+    """Return the cells of a gate: what, how, value with interval, limit, outcome."""
+    label, formula = GATES.get(gate["name"], (escape(gate["name"]), ""))
+    value = short(gate["value"], 3)
+    limit = f"{'≥' if gate.get('at_least') else '≤'} {short(gate['limit'], 3)}"
+    if gate["name"] in YES_NO:
+        value, limit = ("yes" if gate["value"] else "no"), "yes"
+    if gate["ci95"] is not None:
+        value = with_interval(gate, 4)
+    if "marginal_limit" in gate:
+        limit += f"<br>marginal ≤ {short(gate['marginal_limit'], 3)}"
+    formula = f'<span class="formula">{formula}</span>'
+    return [
+        label,
+        formula,
+        ("nowrap", value),
+        ("nowrap", limit),
+        (gate["outcome"], gate["outcome"]),
+    ]

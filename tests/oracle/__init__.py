@@ -1,0 +1,1 @@
+"""The oracle: the tracer again in plain Python, path by path, slow and readable."""
