@@ -131,7 +131,7 @@ def test_compare_puts_the_conventional_stack_first(place, measured, capsys):
 
 
 def test_a_comparison_that_was_interrupted_keeps_what_it_found(place, measured, monkeypatch):
-    from mpfcad.pipeline.measure.measure import case
+    from mpfcad.pipeline.measure import case
 
     seen = []
     real = dict(case._MEASURE)

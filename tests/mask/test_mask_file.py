@@ -191,7 +191,7 @@ def test_a_full_disk_leaves_no_truncated_file(tmp_path, suffix):
 def test_a_kill_leaves_no_truncated_file(tmp_path):
     path = tmp_path / "m.oas"
     code = CODE + (
-        "import os\nfrom mpfcad.mask import oasis\n"
+        "import os\nfrom mpfcad.mask.format import oasis\n"
         "oasis._end = lambda out, table: (out.file.flush(), os.kill(os.getpid(), signal.SIGKILL))\n"
         "write_mask(m, Path(sys.argv[1]))\n"
     )

@@ -12,11 +12,11 @@ from mpfcad.measure import (
     TraceRun,
     angular_luminance,
     camera_image,
+    conoscope,
     light_film,
     output_flux,
     screen_uniformity,
 )
-from mpfcad.measure.angle import conoscope
 from mpfcad.measure.angle.angular import ANGLES, peak, width
 from mpfcad.measure.angle.conoscope import POLAR, exitance_weight
 from mpfcad.measure.draw import estimate_by_draws

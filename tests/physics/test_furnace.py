@@ -153,7 +153,7 @@ def test_an_ideal_diffuser_makes_any_light_lambertian():
 
 def test_the_lambertian_part_of_the_reflector_is_lambertian():
     from mpfcad.optics.base import sampling
-    from mpfcad.optics.cavity.endless import endless as cavity
+    from mpfcad.optics.cavity import endless as cavity
 
     reflector_direction = compiled(cavity.reflector_direction)
     rng = np.zeros(sampling.RNG_SIZE, np.uint64)

@@ -203,7 +203,7 @@ def _angular(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
 
 
 def _conoscope(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
-    from mpfcad.measure.angle import conoscope
+    from mpfcad.measure import conoscope
     from mpfcad.record import describe_conoscope
 
     return describe_conoscope(conoscope(lit, run, MEASURE_SETTINGS[effort].conoscope))

@@ -92,7 +92,7 @@ class _Made(_Exact):
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
         from mpfcad.cad.shape import section_mesh
-        from mpfcad.cad.step.grooves import section as section_step
+        from mpfcad.cad.step import section as section_step
 
         if path.suffix == ".step":
             section_step.write_section_step(
@@ -123,7 +123,7 @@ class _Cells(_Exact):
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
         from mpfcad.cad.shape import cell_mesh
-        from mpfcad.cad.step.grooves import cell as cell_step
+        from mpfcad.cad.step import cell as cell_step
 
         if path.suffix == ".step":
             cell_step.write_cell_step(self.film, path, name=name)
@@ -150,7 +150,7 @@ class _Field:
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
         from mpfcad.cad.shape import field_mesh
-        from mpfcad.cad.step.grooves import field as field_step
+        from mpfcad.cad.step import field as field_step
 
         if path.suffix == ".step":
             field_step.write_field_step(self.film, path, name=name)

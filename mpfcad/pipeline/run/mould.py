@@ -106,7 +106,7 @@ def _write_solids(
     from mpfcad.cad.file import stl
     from mpfcad.cad.shape import section_mesh
     from mpfcad.cad.shape.mesh import mesh_sliver
-    from mpfcad.cad.step.grooves import section as section_step
+    from mpfcad.cad.step import section as section_step
 
     progress.stage("writing mould.step")
     path, colour = folder / "mould.step", section_step.MOULD_COLOUR
