@@ -9,6 +9,8 @@ import typer
 from mpfcad.cli.option import Json, Seed, Threads
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mpfcad.cli.terminal import Terminal
     from mpfcad.optics.bsdf.basis import AngleBasis
     from mpfcad.optics.bsdf.table import BsdfTable
@@ -126,7 +128,7 @@ def _trace(
         )  # fmt: skip
 
 
-def _progress(terminal: "Terminal"):
+def _progress(terminal: "Terminal") -> "Callable[[int, int], None]":
     def show(done: int, count: int) -> None:
         terminal.count(done, count, f"{done} of {count} incidence bins")
 

@@ -89,14 +89,15 @@ def _read_coupons(
             f"--aperture: {len(aperture)} for {len(files)} files: allowed none or one a file"
         )
     else:
-        rows = list(zip(files, aperture or [None] * len(files), strict=True))
+        ratios: list[float | None] = list(aperture) if aperture else [None] * len(files)
+        rows = list(zip(files, ratios, strict=True))
     for path, ratio in rows:
         if ratio is not None and not 0 < ratio <= 1:
             raise InputError(f"{path}: aperture_ratio {ratio:g}: allowed above 0, up to 1")
     return rows
 
 
-def _read_list(path: Path) -> list[tuple[Path, float]]:
+def _read_list(path: Path) -> list[tuple[Path, float | None]]:
     import csv
 
     from mpfcad.errors import InputError
@@ -108,7 +109,7 @@ def _read_list(path: Path) -> list[tuple[Path, float]]:
         raise InputError(f"{path}: cannot be read: {error}") from None
     if not rows or rows[0] != ["file", "aperture_ratio"]:
         raise InputError(f"{path}: row 1: header: allowed 'file,aperture_ratio'")
-    found = []
+    found: list[tuple[Path, float | None]] = []
     for number, row in enumerate(rows[1:], 2):
         try:
             name, ratio = row

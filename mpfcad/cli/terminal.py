@@ -215,7 +215,7 @@ def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> 
 
 def _estimates(record: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Return every (name, estimate) of a record; a width that is not there is None."""
-    found = []
+    found: list[tuple[str, Any]] = []
     for key, value in record.items():
         name = f"{prefix}{key}"
         if isinstance(value, dict) and "ci95" in value:

@@ -191,7 +191,7 @@ def _bounded(part: _Part, folded: _Folded, corrected: NDArray[np.float64]) -> _P
         csr_array(-luminance),
     ]
     bound = np.concatenate([np.zeros(2 * count + len(top)), -np.ones(len(top))])
-    limits = [(0, None)] * count
+    limits: list[tuple[int, int | None]] = [(0, None)] * count
     limits += [(0, None if one else 0) for one in allowed.ravel()] + [(0, None)] * 2
     found = linprog(
         np.append(np.zeros(total - 1), 1.0),

@@ -4,6 +4,7 @@ import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,10 @@ from mpfcad.design.grid import Grid
 from mpfcad.design.response import Operators
 from mpfcad.film import Groove, PrismFilm, Profile
 from mpfcad.units import deg
+
+if TYPE_CHECKING:
+    from mpfcad.optics.scene import Scene
+    from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Rays a state through the world, a direction through the film, and from the meter.
 WORLD_SAMPLES, FILM_SAMPLES, METER_SAMPLES = 192, 1024, 65536
@@ -53,7 +58,9 @@ def estimate_operators(
     return Operators(grid, node, np.array(films), world, radiance, meter, passages, segments)
 
 
-def _film_mesh(groove, base, profile, curvature, folder):
+def _film_mesh(
+    groove: Groove, base: float, profile: Profile, curvature: float, folder: Path
+) -> "FilmMesh":
     """Return a groove of a uniform film as the tracer reads its mesh from disk."""
     from mpfcad.optics.solid.mesh import read_film_mesh
 
@@ -62,7 +69,7 @@ def _film_mesh(groove, base, profile, curvature, folder):
     return read_film_mesh(folder / "groove.stl")
 
 
-def _scene(mesh, stack):
+def _scene(mesh: "FilmMesh", stack: Stack) -> "tuple[Scene, int]":
     """Return the scene and the film's number in it."""
     from mpfcad.backlight.lower import lower_stack
     from mpfcad.optics.element import FILM
@@ -72,7 +79,9 @@ def _scene(mesh, stack):
     return scene, int(np.flatnonzero(scene.kind == FILM)[0])
 
 
-def _trace_film(mesh, stack, grid: Grid, seed: int, threads: int) -> NDArray[np.float64]:
+def _trace_film(
+    mesh: "FilmMesh", stack: Stack, grid: Grid, seed: int, threads: int
+) -> NDArray[np.float64]:
     """Return the shares of a uniform film, (2d+1, 2d), the same for mirrored directions."""
     from mpfcad.design.passage import FLOW_SIZE, trace_film
     from mpfcad.optics.base.sampling import RNG_SIZE
@@ -95,7 +104,9 @@ def _trace_film(mesh, stack, grid: Grid, seed: int, threads: int) -> NDArray[np.
     return (share + share[np.ix_(row, column)]) / 2
 
 
-def _trace_world(mesh, stack, grid: Grid, seed: int, threads: int):
+def _trace_world(
+    mesh: "FilmMesh", stack: Stack, grid: Grid, seed: int, threads: int
+) -> tuple[Any, NDArray[np.float64], NDArray[np.float64], int]:
     """Return (T, r, g, rays traced)."""
     from scipy.sparse import coo_array
 
@@ -107,7 +118,7 @@ def _trace_world(mesh, stack, grid: Grid, seed: int, threads: int):
     last = len(scene.kind) - 1
     n = cells * d
 
-    def one(job: tuple[bool, int]):
+    def one(job: tuple[bool, int]) -> Any:
         up, first = job
         shape = (1, d, WORLD_SAMPLES)
         target = np.empty(shape, np.int64)
@@ -133,10 +144,10 @@ def _trace_world(mesh, stack, grid: Grid, seed: int, threads: int):
         row.append(np.broadcast_to(state[None, :, None], target.shape)[met])
         column.append(target[met])
         value.append(weight[met] / WORLD_SAMPLES)
-    row, column, value = map(np.concatenate, (row, column, value))
+    rows, columns, values = np.concatenate(row), np.concatenate(column), np.concatenate(value)
     # Half from each ray, half from its mirror image.
-    row, column = np.concatenate([row, image[row]]), np.concatenate([column, image[column]])
-    world = coo_array((np.tile(value / 2, 2), (row, column)), (2 * n, 2 * n)).tocsr()
+    place = np.concatenate([rows, image[rows]]), np.concatenate([columns, image[columns]])
+    world = coo_array((np.tile(values / 2, 2), place), (2 * n, 2 * n)).tocsr()
     meter = np.zeros(d + 1)
     if film == last:
         meter[d] = 1.0

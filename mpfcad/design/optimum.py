@@ -223,7 +223,9 @@ def _step(
     cost[:count] = -goal.luminance_weight * parts[0][2]
     cost[count : 2 * count - 1] = _FLATNESS * np.arange(1, count)
     cost[-1] = 1.0
-    bounds = [(-trust, trust)] * count + [(0, None)] * (count - 1)
+    bounds: list[tuple[float | None, float | None]] = [(-trust, trust)] * count + [(0, None)] * (
+        count - 1
+    )
     bounds += [(None, None)] * (2 * len(parts)) + [(goal.contrast_floor, None)]
     result = linprog(cost, np.concatenate(rows), np.concatenate(bound), bounds=bounds)
     return series if result.x is None else rounded(series + result.x[:count])

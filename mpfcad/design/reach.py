@@ -52,12 +52,19 @@ def find_reach(
         _climb(response, correction, sign, curvature_min, curvature_max, middle)
         for sign in (-1.0, 1.0)
     ]
-    ratio = tuple(float(np.exp(end[0])) for end in found)
+    low, high = (float(np.exp(end[0])) for end in found)
     cell = np.minimum((row_position() * response.grid.cells).astype(int), response.grid.cells - 1)
-    return Reach(ratio, tuple(end[1][cell] for end in found))
+    return Reach((low, high), tuple(end[1][cell] for end in found))
 
 
-def _climb(response, correction, sign, low, high, value) -> tuple[float, NDArray[np.float64]]:
+def _climb(
+    response: Response,
+    correction: Correction,
+    sign: float,
+    low: float,
+    high: float,
+    value: float,
+) -> tuple[float, NDArray[np.float64]]:
     """Return the largest sign · ln L(0.5)/L(0) found from a uniform film, and its C by cell."""
     cells = response.grid.cells
     above, between = (0, cells - 1), (cells // 2 - 1, cells // 2)

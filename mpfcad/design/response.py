@@ -69,7 +69,7 @@ class Response:
         return self.operators.grid
 
     @cached_property
-    def _cardinal(self):
+    def _cardinal(self) -> Any:
         """The spline that is 1 at one node and 0 at the others, for each; and its derivative."""
         from scipy.interpolate import CubicSpline
 
@@ -99,7 +99,7 @@ class Response:
         cells, d = self.grid.cells, self.grid.directions
         return cell.reshape(cells, 2, d).transpose(1, 0, 2).reshape(-1)
 
-    def _solve(self, film: NDArray[np.float64], start: NDArray[np.float64] | None = None):
+    def _solve(self, film: NDArray[np.float64], start: NDArray[np.float64] | None = None) -> Any:
         """Return v of the maps's films, (2n,)."""
         from scipy.sparse.linalg import LinearOperator, gmres
 
@@ -192,7 +192,7 @@ class Response:
         return self._by_cell(p)
 
     @cached_property
-    def _transposed(self):
+    def _transposed(self) -> Any:
         return self.operators.world.T.tocsr()
 
 

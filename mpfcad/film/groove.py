@@ -62,9 +62,9 @@ class Groove:
     def contact_position(self, curvature: ArrayLike) -> NDArray[np.float64]:
         """Return |x| [mm] where the parabola meets the wall: clip(2 s/C - w, 0, w)."""
         # Far below s/w the quotient is clipped anyway; the floor keeps it from overflowing.
-        curvature = np.maximum(np.asarray(curvature, float), self.curvature_covered / 2)
+        value = np.maximum(np.asarray(curvature, float), self.curvature_covered / 2)
         w = self.half_width
-        return np.clip(2 * self.wall_slope / curvature - w, 0.0, w)
+        return np.clip(2 * self.wall_slope / value - w, 0.0, w)
 
     def height(
         self, x: ArrayLike, curvature: ArrayLike, profile: Profile = "filled"
@@ -145,7 +145,7 @@ class Groove:
         w, s = self.half_width, self.wall_slope
         contact = self.contact_position(curvature)
 
-        def antiderivative(x: ArrayLike) -> NDArray[np.float64]:
+        def antiderivative(x: NDArray[np.float64]) -> NDArray[np.float64]:
             # δ = s x - d + C/2 (w² - x²) on the bare wall, times (x² - w²/3).
             a0, a2 = -self.depth + curvature / 2 * w**2, -curvature / 2
             third = w**2 / 3
@@ -157,7 +157,7 @@ class Groove:
                 - third * a0 * x
             )
 
-        moment = antiderivative(w) - antiderivative(contact)
+        moment = antiderivative(np.asarray(w)) - antiderivative(contact)
         return curvature + 2 * moment / (4 * w**5 / 45)
 
     def curvature_of_fitted(self, fitted_curvature: float) -> float:

@@ -197,9 +197,8 @@ def join_pieces(
         when the outline cuts through the underside.
     """
     kept = x[:, 1] - x[:, 0] > ROUNDING
-    x, kind, centre, bend, end_height = (
-        values[kept] for values in (x, kind, centre, bend, end_height)
-    )
+    x, kind, centre = x[kept], kind[kept], centre[kept]
+    bend, end_height = bend[kept], end_height[kept]
     section = Section(
         length,
         np.append(x[:, 0], x[-1, 1]),

@@ -113,7 +113,7 @@ class Design(_Table):
 
     def at_thickness(self, thickness: float, override: dict[str, Any] | None = None) -> "Design":
         """Return the design for one thickness [mm], with further values of the stack changed."""
-        change = {"thickness_mm": thickness}
+        change: dict[str, Any] = {"thickness_mm": thickness}
         if override:
             change["override"] = {**self.stack.override, **override}
         stack = self.stack.model_copy(update=change)

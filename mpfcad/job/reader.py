@@ -78,7 +78,7 @@ def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
         known = _known_keys(root, first["loc"][:-1])
         line = f"{field}: {_shown(first['input'])}: unknown key; {known}"
     else:
-        line = f"{field}: {_shown(first['input'])}: {_allowed(first)}"
+        line = f"{field}: {_shown(first['input'])}: {_allowed(dict(first))}"
     more = len(errors) - 1
     return line + (f" (and {more} more error{'s' if more > 1 else ''})" if more else "")
 

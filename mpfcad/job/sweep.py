@@ -89,7 +89,7 @@ class Sweep(_Table):
             *tables, field = axis.split(".")
             if not tables:
                 continue
-            place = document
+            place: dict[str, Any] = document
             for table in tables:
                 place = place.setdefault(table, {})
             place[field] = value

@@ -136,7 +136,7 @@ def check_extent(
 ) -> None:
     """Refuse facets that do not reach from `low` to `high` [mm], both rounded to float32."""
     found = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
-    wanted = np.float32(low), np.float32(high)
+    wanted = np.array(low, np.float32), np.array(high, np.float32)
     off = max(float(np.abs(a - b).max()) for a, b in zip(found, wanted, strict=True))
     refuse_above(path, "extent error [mm]", off, 0.0)
 

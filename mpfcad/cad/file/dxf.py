@@ -6,6 +6,7 @@ chords within an angle, for readers without splines. X is across, Y is up.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,13 +113,13 @@ def check_dxf(path: Path, section: Section) -> float:
     if not (spline.closed and polyline.closed):
         raise ExportError(f"{path.name}: an outline is not closed")
     _check_spline(path, spline, section)
-    error = _polyline_area(path) / section.area - 1
-    if not abs(error) <= AREA_TOLERANCE:
-        raise ExportError(f"{path.name}: polyline's relative area error {error:.3g}")
-    return float(error)
+    off = _polyline_area(path) / section.area - 1
+    if not abs(off) <= AREA_TOLERANCE:
+        raise ExportError(f"{path.name}: polyline's relative area error {off:.3g}")
+    return float(off)
 
 
-def _check_spline(path: Path, spline: object, section: Section) -> None:
+def _check_spline(path: Path, spline: Any, section: Section) -> None:
     """Compare points of the spline, four in each piece, with the surface."""
     control = np.asarray(spline.control_points)[:, :2]
     weights = np.asarray(spline.weights)

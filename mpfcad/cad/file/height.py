@@ -189,10 +189,11 @@ def check_heights(path: Path, grid: HeightGrid) -> HeightCheck:
 
 def _read_tiff(path: Path) -> tuple[NDArray[np.float32], tuple[float, float]]:
     from PIL import Image
+    from PIL.TiffImagePlugin import TiffImageFile
 
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, MOST_POINTS[".tif"]
     try:
-        with Image.open(path) as image:
+        with TiffImageFile(path) as image:
             dots = [float(image.tag_v2[tag]) for tag in (282, 283)]
             found = np.asarray(image)
     except (OSError, ValueError, TypeError) as error:

@@ -91,12 +91,12 @@ class FieldFilm:
     @property
     def tip_position(self) -> NDArray[np.float64]:
         """Tip positions x, (n+1,) float64 [mm]."""
-        return np.arange(self.groove_count + 1) * self.groove.pitch
+        return np.arange(self.groove_count + 1.0) * self.groove.pitch
 
     @property
     def groove_position(self) -> NDArray[np.float64]:
         """Groove centres x, (n,) float64 [mm]."""
-        return (np.arange(self.groove_count) + 0.5) * self.groove.pitch
+        return np.arange(0.5, self.groove_count) * self.groove.pitch
 
     def curvature_at(self, across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
         """Return the curvature [1/mm] at points [mm]."""

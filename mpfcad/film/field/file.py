@@ -2,6 +2,7 @@
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +74,8 @@ def read_curvature_field(
 def write_curvature_field(path: Path, field: CurvatureField) -> None:
     """Write a field so that it reads back bit for bit; same field, same bytes."""
     arrays = (field.across, field.along, field.curvature)
-    np.savez(path, **dict(zip(FIELD_ARRAYS, arrays, strict=True)))
+    named: dict[str, Any] = dict(zip(FIELD_ARRAYS, arrays, strict=True))
+    np.savez(path, **named)
 
 
 def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: float) -> None:

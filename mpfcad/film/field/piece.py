@@ -79,12 +79,12 @@ class FieldPiece:
     @property
     def tip_position(self) -> NDArray[np.float64]:
         """Tip positions x, (n+1,) float64 [mm]."""
-        return np.arange(self.groove_count + 1) * self.groove.pitch
+        return np.arange(self.groove_count + 1.0) * self.groove.pitch
 
     @property
     def groove_position(self) -> NDArray[np.float64]:
         """Groove centres x, (n,) float64 [mm]."""
-        return (np.arange(self.groove_count) + 0.5) * self.groove.pitch
+        return np.arange(0.5, self.groove_count) * self.groove.pitch
 
     @property
     def has_equal_ends(self) -> bool:
@@ -144,8 +144,9 @@ class FieldPiece:
 
     def curvature_at(self, groove: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Return C [1/mm] of a groove (counted from 0) at y [mm]."""
+        number = np.asarray(groove)
         index, weight = bracket(self.along, y)
-        low, high = self.curvature[groove, index], self.curvature[groove, index + 1]
+        low, high = self.curvature[number, index], self.curvature[number, index + 1]
         return np.where(weight == 1, high, low + weight * (high - low))
 
     def local(self, x: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

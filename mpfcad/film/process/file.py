@@ -63,8 +63,9 @@ class _Row(_Strict):
         if self.fill_fraction is not None:
             return self.fill_fraction
         curvature = self.curvature_per_mm
-        if curvature is None:
+        if self.fitted_curvature_per_mm is not None:
             curvature = groove.curvature_of_fitted(self.fitted_curvature_per_mm)
+        assert curvature is not None  # exactly one of the three is given
         if curvature > groove.curvature_empty:
             top = groove.curvature_empty
             raise ValueError(f"curvature_per_mm: {curvature:g}: allowed 0 … {top:g}")
@@ -127,7 +128,7 @@ def _build_process(where: str, data: dict[str, Any], groove: Groove) -> Process:
     if given.transfer_factor is not None:
         ratio, fill = np.ones(1), np.array([given.transfer_factor])
     else:
-        rows = given.row or [given.pair]
+        rows = given.row or ([given.pair] if given.pair else [])
         names = [f"row {i + 1}" for i in range(len(rows))] if given.row else ["pair"]
         ratio = np.array([row.aperture_ratio for row in rows])
         fill = np.array([_fill(where, n, r, made_in) for n, r in zip(names, rows, strict=True)])

@@ -60,11 +60,11 @@ def angular_luminance(lit: Lit, run: TraceRun, error_goal: float) -> AngularResu
     polar = np.concatenate([ANGLES, ANGLES])
     azimuth = np.repeat([0.0, np.pi / 2], n)
     tally = trace_directions(lit, run, polar, azimuth, error_goal)
-    curves = [
+    across, along = (
         _curve(tally.radiance[part], tally.radiance_error[part], tally.radiance_freedom, run.seed)
         for part in (slice(0, n), slice(n, 2 * n))
-    ]
-    return AngularResult(*curves, tally.total_paths)
+    )
+    return AngularResult(across, along, tally.total_paths)
 
 
 def _curve(luminance: NDArray, error: NDArray, freedom: float, seed: int) -> AngularCurve:
