@@ -46,7 +46,7 @@ def test_job_is_frozen():
         ({"film": {"pitch": 0.05}}, "x.toml: film.pitch: 0.05: unknown key; known: profile, "),
         ({"colour": 1}, "x.toml: colour: 1: unknown key; known: schema, name, seed, map, "),
         ({"film": {"profile": "flat"}}, "x.toml: film.profile: flat: must be 'filled' or 'ideal'"),
-        ({"map": {}}, "x.toml: map: {}: give either file or curvature_per_mm"),
+        ({"map": {}}, "x.toml: map: {}: expected exactly one of file, curvature_per_mm, rows"),
         ({"map": {"file": "a", "curvature_per_mm": 1}}, "x.toml: map: {file, curvature_per_mm}: "),
         ({"stack": {"preset": "a", "file": "b"}}, "x.toml: stack: {preset, file}: give either"),
         ({"gates": {"contrast_pass": 0.5}}, "x.toml: gates: {contrast_pass}: contrast_pass = 0.5"),

@@ -10,8 +10,9 @@ it; `Process` ties the mask's aperture ratio to the fill fraction and so to the 
 """
 
 from mpfcad.film.cell import CellFilm, CellShape
-from mpfcad.film.curvature.file import read_curvature_map, write_curvature_map
+from mpfcad.film.curvature.file import read_curvature_table, write_curvature_map
 from mpfcad.film.curvature.map import CurvatureMap, Extent, Repeat, check_curvature
+from mpfcad.film.curvature.table import CurvatureTable, build_curvature_map
 from mpfcad.film.field.field import CurvatureField, FieldFilm
 from mpfcad.film.field.file import (
     is_field_file,
@@ -38,6 +39,7 @@ __all__ = [
     "Coupon",
     "CurvatureField",
     "CurvatureMap",
+    "CurvatureTable",
     "Extent",
     "FieldFilm",
     "FieldPiece",
@@ -53,6 +55,7 @@ __all__ = [
     "StylusFit",
     "StylusTrace",
     "average_groove",
+    "build_curvature_map",
     "build_section",
     "check_aperture_ratio",
     "check_curvature",
@@ -62,7 +65,7 @@ __all__ = [
     "groove_ranges",
     "is_field_file",
     "read_curvature_field",
-    "read_curvature_map",
+    "read_curvature_table",
     "read_process",
     "read_stylus_trace",
     "write_curvature_field",

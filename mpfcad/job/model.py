@@ -13,6 +13,8 @@ from mpfcad.units import from_suffix
 Effort = Literal["quick", "standard", "final"]
 MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+_Row = Annotated[list[float], Field(min_length=2, max_length=2)]
+Rows = Annotated[list[_Row], Field(min_length=2)]
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
 
@@ -27,17 +29,22 @@ class _Table(BaseModel):
 
 
 class MapTable(_Table):
-    """`[map]`: one curvature everywhere, or a file with C over the lamp pitch or the panel."""
+    """`[map]`: one curvature everywhere, or C over the lamp pitch or the panel: a file, or rows.
+
+    `rows` are pairs of position_mm and curvature_per_mm, as the lines of a file would be.
+    """
 
     file: str | None = None
     curvature_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    rows: Rows | None = None
     extent: Literal["pitch", "panel"] = "pitch"
     repeat: Literal["repeat", "mirror"] = "repeat"
 
     @model_validator(mode="after")
     def _one_source(self) -> "MapTable":
-        if (self.file is None) == (self.curvature_per_mm is None):
-            raise ValueError("give either file or curvature_per_mm")
+        given = (self.file, self.curvature_per_mm, self.rows)
+        if sum(value is not None for value in given) != 1:
+            raise ValueError("expected exactly one of file, curvature_per_mm, rows")
         return self
 
 

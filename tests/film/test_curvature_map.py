@@ -11,8 +11,9 @@ from mpfcad.errors import InputError
 from mpfcad.film import (
     CurvatureMap,
     Groove,
+    build_curvature_map,
     check_curvature,
-    read_curvature_map,
+    read_curvature_table,
     write_curvature_map,
 )
 
@@ -23,7 +24,9 @@ HEADER = "position_mm,curvature_per_mm"
 
 def read(path, **given):
     given = {"extent": "pitch", "repeat": "mirror", "profile": "filled"} | given
-    return read_curvature_map(path, groove=BEF, lamp_pitch=PITCH, panel_width=WIDTH, **given)
+    return build_curvature_map(
+        read_curvature_table(path), groove=BEF, lamp_pitch=PITCH, panel_width=WIDTH, **given
+    )
 
 
 def write(path, rows, header=HEADER):

@@ -20,12 +20,14 @@ from mpfcad.backlight import (
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
+    CurvatureTable,
     FieldFilm,
     Groove,
     PrismFilm,
     Process,
+    build_curvature_map,
     check_curvature,
-    read_curvature_map,
+    read_curvature_table,
     read_process,
     write_curvature_field,
     write_curvature_map,
@@ -306,8 +308,8 @@ def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> Curvatu
         where = f"{job_file}: map.curvature_per_mm"
         check_curvature(uniform, groove, job.film.profile, where)
         return CurvatureMap.uniform(uniform)
-    return read_curvature_map(
-        job_file.parent / job.map.file,
+    return build_curvature_map(
+        _map_table(job, job_file),
         extent=job.map.extent,
         repeat=job.map.repeat,
         profile=job.film.profile,
@@ -315,6 +317,14 @@ def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> Curvatu
         lamp_pitch=stack.lamp_pitch,
         panel_width=stack.panel_width,
     )
+
+
+def _map_table(job: Job, job_file: Path) -> CurvatureTable:
+    if job.map.rows is None:
+        assert job.map.file is not None  # exactly one of file, curvature_per_mm, rows is given
+        return read_curvature_table(job_file.parent / job.map.file)
+    position, curvature = np.array(job.map.rows, float).T
+    return CurvatureTable(f"{job_file}: map.rows", position, curvature, "row {}".format)
 
 
 def read_job_stack(job: Job, job_file: Path) -> Stack:

@@ -1,5 +1,6 @@
 """Findings and plan -> verification.json: inputs with their tags, provenance, gates."""
 
+import hashlib
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpfcad.backlight import PRISM_FILE
-from mpfcad.export import sha256
+from mpfcad.export import canonical_json, sha256
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
@@ -145,12 +146,20 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
 def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
     """Return what cannot be found again from the export: inputs' hashes, versions, command."""
     return {
-        "inputs_sha256": {name: sha256(path) for name, path in sorted(plan.input_file.items())},
+        "inputs_sha256": {
+            name: sha256(path) if path.is_file() else job_hash(plan.job)
+            for name, path in sorted(plan.input_file.items())
+        },
         "versions": versions(),
         "seed": plan.job.seed,
         "threads": "any: results do not depend on it",
         "command": f"mpfcad run {job_file.name} --effort {effort}",
     }
+
+
+def job_hash(job: Job) -> str:
+    """Return the SHA-256 of a job that is in no file: of its values as stated, as JSON."""
+    return hashlib.sha256(canonical_json(job.given()).encode()).hexdigest()
 
 
 def file_hashes(folder: Path) -> dict[str, str]:
