@@ -1,6 +1,5 @@
 """The curves of the report, as plotly figures; their ids are fixed so that the bytes are too."""
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,33 +14,6 @@ FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
 FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
 #: Positions [pitch] at which the fitted curves are drawn.
 FINE = np.linspace(0, 1, 129)
-#: Curves are drawn anew for the width of a sheet of paper, and for the window afterwards.
-PRINT_SCRIPT = """
-const plots = () => document.querySelectorAll(".plot");
-addEventListener("beforeprint", () => plots().forEach(p => Plotly.relayout(p, {width: 680})));
-addEventListener("afterprint", () => plots().forEach(p => Plotly.relayout(p, {width: null,
-  autosize: true})));
-"""
-_CONFIG = {"displaylogo": False, "responsive": True, "displayModeBar": False}
-
-
-def plotly_script() -> str:
-    """Return plotly.js, to be put into the page once; the page then needs no network."""
-    from plotly.offline import get_plotlyjs
-
-    return get_plotlyjs()
-
-
-def figure_html(figure: "go.Figure", name: str) -> str:
-    """Return a figure as the HTML of a div with the id `name` and the call that fills it."""
-    content = json.loads(figure.to_json())
-    arguments = json.dumps([content["data"], content["layout"], _CONFIG], sort_keys=True)
-    arguments = arguments.replace("</", r"<\/")
-    height = figure.layout.height
-    return (
-        f'<div id="{name}" class="plot" style="height:{height}px"></div>'
-        f'<script>Plotly.newPlot("{name}", ...{arguments});</script>'
-    )
 
 
 def luminance_figure(record: dict[str, Any]) -> "go.Figure":

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from html import escape
 
+from markupsafe import Markup
+
 
 def number(value: float) -> str:
     """Return a coordinate with two decimals at most."""
@@ -10,9 +12,9 @@ def number(value: float) -> str:
     return "0" if shown == "-0" else shown
 
 
-def picture(width: float, height: float, title: str, parts: Iterable[str]) -> str:
+def picture(width: float, height: float, title: str, parts: Iterable[str]) -> Markup:
     """Return a whole drawing that scales to the page's width."""
-    return (
+    return Markup(
         f'<svg viewBox="0 0 {number(width)} {number(height)}" role="img" '
         f'aria-label="{escape(title)}" xmlns="http://www.w3.org/2000/svg">'
         f"<title>{escape(title)}</title>{''.join(parts)}</svg>"

@@ -1,6 +1,5 @@
 """A page that shows a BSDF table: energy over incidence, and where the light goes."""
 
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,15 +8,9 @@ from numpy.typing import NDArray
 from mpfcad.optics.bsdf.basis import AngleBasis, klems_basis
 from mpfcad.optics.bsdf.rebin import overlap
 from mpfcad.optics.bsdf.table import SIDES, WAYS, BsdfTable
-from mpfcad.report.drawing.figure import (
-    BASE_COLOUR,
-    FILM_COLOUR,
-    PRINT_SCRIPT,
-    figure_html,
-    plotly_script,
-)
-from mpfcad.report.page.style import STYLE
-from mpfcad.report.page.table import table as html_table
+from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.page.environment import render
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -30,29 +23,17 @@ _DECADES = 3
 
 def bsdf_page(table: BsdfTable) -> str:
     """Return the page as HTML that needs no network; the same table gives the same bytes."""
-    kind = "isotropic" if table.isotropic else "anisotropic"
     light = [
         [f"Lambertian light from {side}", *(f"{table.hemispherical[way, s]:.4f}" for way in (0, 1))]
         for s, side in enumerate(SIDES)
     ]
-    notes = "".join(f"<p class='note'>Note: {escape(text)}.</p>" for text in table.note)
-    name = escape(table.name)
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>BSDF: {name}</title><style>{STYLE}</style>"
-        f"<script>{plotly_script()}</script></head><body><main><h1>{name}</h1>"
-        f'<p class="sub">BSDF table, {escape(table.basis.name)}, {table.basis.count} bins, {kind}; '
-        f"reciprocity error {table.reciprocity_error:.2e} (Σ|A - A'|/Σ(A + A'))</p>{notes}"
-        f"{html_table(['', 'transmitted', 'reflected'], light, (1, 2))}"
-        "<section><h2>Energy over incidence</h2>"
-        f"{figure_html(energy_figure(table), 'energy')}"
-        '<p class="note">Lines: mean over the azimuths of incidence; bands: from the least to the '
-        "most.</p></section><section><h2>Where the light goes</h2>"
-        f"{figure_html(lobe_figure(table), 'lobes')}"
-        '<p class="note">Light comes in azimuth 0 of its way of travel (across, x). Radius: polar '
-        "angle 0 … 90°. Colour: log₁₀ of the BSDF [1/sr], three decades down from the largest "
-        f"of all plots.</p></section></main><script>{PRINT_SCRIPT}</script></body></html>\n"
+    return render(
+        "bsdf.html.j2",
+        table_read=table,
+        reciprocity_error=f"{table.reciprocity_error:.2e}",
+        light=light,
+        energy=plot(energy_figure(table), "energy"),
+        lobes=plot(lobe_figure(table), "lobes"),
     )
 
 
@@ -101,7 +82,7 @@ def lobe_figure(table: BsdfTable) -> "go.Figure":
     top = np.log10(most) if most > 0 else 0.0
     degrees = np.degrees(basis.edge)
     for number, (_, value) in enumerate(rows):
-        for plot, bins in enumerate(value.transpose(1, 0, 2).reshape(4, -1)):
+        for column, bins in enumerate(value.transpose(1, 0, 2).reshape(4, -1)):
             height = np.log10(np.maximum(bins, most * 10.0**-_DECADES) if most > 0 else bins + 1)
             figure.add_barpolar(
                 r=np.diff(degrees)[basis.ring].tolist(), base=degrees[:-1][basis.ring].tolist(),
@@ -110,7 +91,7 @@ def lobe_figure(table: BsdfTable) -> "go.Figure":
                 marker={"color": np.round(height, 4).tolist(), "coloraxis": "coloraxis",
                         "line": {"width": 0}},
                 hovertext=[f"{b:.4g} /sr" for b in bins], hoverinfo="text", showlegend=False,
-                row=number + 1, col=plot + 1,
+                row=number + 1, col=column + 1,
             )  # fmt: skip
     figure.update_polars(
         radialaxis={"range": [0, 90], "showticklabels": False, "dtick": 30, "gridcolor": "#ccc"},

@@ -3,15 +3,17 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup, escape
+
 from mpfcad.film import CellFilm, FieldPiece
 from mpfcad.report.drawing.cell_view import cell_view
 from mpfcad.report.drawing.dimension_drawing import draw_dimensions
 from mpfcad.report.drawing.field_view import field_view
-from mpfcad.report.drawing.figure import figure_html
 from mpfcad.report.drawing.groove_drawing import draw_grooves
 from mpfcad.report.drawing.groove_view import groove_view
+from mpfcad.report.drawing.plot import plot
 from mpfcad.report.page.evidence import Evidence
-from mpfcad.report.page.table import fact_table, figure, short
+from mpfcad.report.page.number import number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -19,48 +21,39 @@ if TYPE_CHECKING:
 Record = dict[str, Any]
 
 
-def cad_section(record: Record, evidence: Evidence) -> str:
+def cad_values(record: Record, evidence: Evidence) -> dict[str, Any]:
     """Return what film.step and film.stl hold, and a few grooves in cross-section."""
-    step, mesh = record["step"], record["mesh"]
-    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
-    rows = [
-        ("both: extent", _extent(evidence)),
-        ("film.step: bodies", bodies),
-        ("film.step: largest relative error of a volume", short(step["volume_error"], 3)),
-        ("film.stl: facets", short(mesh["triangle_count"])),
-        ("film.stl: relative error of the volume", short(mesh["volume_error"], 3)),
-        ("film.stl: facet normals, rms / of the facet nearest to its limit",
-         f"{short(mesh['normal_error_deg_rms'], 3)}° / {short(mesh['normal_error_deg_max'], 3)}°"),
-        ("film.stl: slopes against the profile's secants, rms / of the worst groove",
-         _or_none(mesh["secant_error_deg_rms"], "°") + " / "
-         + _or_none(mesh["secant_error_deg_rms_worst_groove"], "°")),
-        ("film.stl against film.step: largest distance / difference of volume",
-         f"{short(record['step_mesh']['distance_um_max'], 3)} µm / "
-         f"{short(record['step_mesh']['volume_difference'], 3)}"),
-        ("mask against film.stl: largest difference of C",
-         _or_none(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
-    ]  # fmt: skip
     stl = evidence.folder / "film.stl"
     cells = isinstance(evidence.drawn, CellFilm)
-    view = figure(figure_html(_shown(stl, evidence), "grooves"), _view_words(evidence))
-    what = "A section through the cells' tips" if cells else "The first groove of the piece"
-    drawing = figure(
-        draw_dimensions(evidence.made, 0),
-        f"{what} with its dimensions, to scale. z<sub>0</sub> is the height of the parabola's "
-        "vertex above the valley; contact is where it meets the walls.",
-    )
-    if cells:
-        return fact_table(rows) + view + drawing
-    return (
-        fact_table(rows)
-        + view
-        + drawing
-        + figure(
-            draw_grooves(stl, evidence.made, evidence.shown_groove),
-            "Three grooves above the lamp and three between the lamps, to scale, the surface drawn "
-            "from film.stl: prism blue, resin yellow. The base goes on below.",
-        )
-    )
+    title = "A section through the cells' tips" if cells else "The first groove of the piece"
+    return {
+        "rows": _rows(record, evidence),
+        "view": plot(_shown(stl, evidence), "grooves"),
+        "view_words": _view_words(evidence),
+        "dimensions": draw_dimensions(evidence.made, 0),
+        "section_title": title,
+        "grooves": None if cells else draw_grooves(stl, evidence.made, evidence.shown_groove),
+    }
+
+
+def _rows(record: Record, evidence: Evidence) -> list[tuple[str, Any]]:
+    step, mesh, pair = record["step"], record["mesh"], record["step_mesh"]
+    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
+    return [
+        ("both: extent", _extent(evidence)),
+        ("film.step: bodies", bodies),
+        ("film.step: largest relative error of a volume", number(step["volume_error"], 3)),
+        ("film.stl: facets", number(mesh["triangle_count"])),
+        ("film.stl: relative error of the volume", number(mesh["volume_error"], 3)),
+        ("film.stl: facet normals, rms / of the facet nearest to its limit",
+         _pair(mesh["normal_error_deg_rms"], mesh["normal_error_deg_max"], "°")),
+        ("film.stl: slopes against the profile's secants, rms / of the worst groove",
+         _pair(mesh["secant_error_deg_rms"], mesh["secant_error_deg_rms_worst_groove"], "°")),
+        ("film.stl against film.step: largest distance / difference of volume",
+         _quantity(pair["distance_um_max"], " µm") + " / " + _quantity(pair["volume_difference"])),
+        ("mask against film.stl: largest difference of C",
+         _quantity(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
+    ]  # fmt: skip
 
 
 def _shown(stl: Path, evidence: Evidence) -> "go.Figure":
@@ -100,5 +93,9 @@ def _extent(evidence: Evidence) -> str:
     return " × ".join(f"{part:.6g}" for part in size) + f" mm, {number}; {place}"
 
 
-def _or_none(value: float | None, unit: str) -> str:
-    return "not applicable" if value is None else f"{short(value, 3)}{unit}"
+def _pair(first: float | None, second: float | None, unit: str) -> Markup:
+    return _quantity(first, unit) + " / " + _quantity(second, unit)
+
+
+def _quantity(value: float | None, unit: str = "") -> Markup:
+    return escape("not applicable") if value is None else number(value, 3) + unit

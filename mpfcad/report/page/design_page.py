@@ -1,15 +1,15 @@
 """The page of a design: every map that was traced, what it gave, and what it cost."""
 
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpfcad.report.drawing.figure import FINE, figure_html, plotly_script, styled
-from mpfcad.report.page.style import STYLE
-from mpfcad.report.page.table import fact_table, figure, short, table, with_interval
-from mpfcad.report.page.thickness_section import thickness_section
+from mpfcad.report.drawing.figure import FINE, styled
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.page.environment import render
+from mpfcad.report.page.number import number, with_interval
+from mpfcad.report.page.thickness_section import thickness_values
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -24,41 +24,23 @@ def write_design_page(path: Path, record: dict[str, Any]) -> None:
 
 def build_design_page(record: dict[str, Any]) -> str:
     """Return the page as HTML that needs no network."""
-    sections = [
-        ("Result", _result(record)),
-        ("Iterations", _iterations(record)),
-        ("Method and constraints", _method(record)),
-    ]
-    if record["thickness"]:
-        sections.insert(1, ("Thickness", thickness_section(record["thickness"])))
-    body = "".join(
-        f"<section><h2>{number} {title}</h2>{content}</section>"
-        for number, (title, content) in enumerate(sections, 1)
-    )
-    name, version = escape(record["name"]), escape(record["versions"]["mpfcad"])
-    return page(
-        f"Design: {name}",
-        f'<h1>{name}</h1><p class="sub">Search of the curvature map, mpfcad {version}</p>{body}'
-        "<footer>Every figure of this page is in design.json. The job that these traces chose is "
-        f"{name}.toml: its verdict is that of <code>mpfcad run</code>.</footer>",
+    return render(
+        "design.html.j2",
+        record=record,
+        result=_result(record),
+        thickness=record["thickness"] and thickness_values(record["thickness"]),
+        curves=plot(curves_figure(record), "curves"),
+        progress=plot(progress_figure(record), "progress"),
+        iterations=_iterations(record),
+        method=_method(record),
     )
 
 
-def page(title: str, main: str) -> str:
-    """Return a whole HTML page with plotly in it."""
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{title}</title><style>{STYLE}</style>"
-        f"<script>{plotly_script()}</script></head><body><main>{main}</main></body></html>\n"
-    )
-
-
-def _result(record: dict[str, Any]) -> str:
+def _result(record: dict[str, Any]) -> list[tuple[str, str]]:
     best = record["iterations"][record["chosen"]]
     rows = np.array(best["curvature_per_mm"])
     facts = [
-        ("backlight", f"{escape(record['stack']['title'])}; {record['thickness_mm']:g} mm"),
+        ("backlight", f"{record['stack']['title']}; {record['thickness_mm']:g} mm"),
         ("chosen map", f"{best['label']}: C {rows.min():.2f} … {rows.max():.2f} /mm"),
         ("lamp-Mura contrast, traced", with_interval(best["lamp_mura_contrast"], 4)),
         ("mean normal luminance [cd/m²]", with_interval(best["mean_luminance_cd_m2"], 0)),
@@ -76,7 +58,7 @@ def _result(record: dict[str, Any]) -> str:
     if record["reach"]:
         facts.append(("luminance between the lamps over that above, found with C in its range",
                       _reach_words(record["reach"])))  # fmt: skip
-    return fact_table(facts)
+    return facts
 
 
 def _reach_words(reach: dict[str, Any]) -> str:
@@ -100,7 +82,7 @@ def _reach_words(reach: dict[str, Any]) -> str:
     return words
 
 
-def _iterations(record: dict[str, Any]) -> str:
+def _iterations(record: dict[str, Any]) -> dict[str, Any]:
     rows, spent = [], 0
     moved = record["design"]["constraint"]["registration_mm"]
     for one in record["iterations"]:
@@ -108,12 +90,12 @@ def _iterations(record: dict[str, Any]) -> str:
         curvature, predicted = one["curvature_per_mm"], one["predicted"]
         rows.append(
             [
-                escape(one["label"]),
+                one["label"],
                 f"{min(curvature):.2f} … {max(curvature):.2f}",
                 "–" if predicted is None else f"{predicted['lamp_mura_contrast']:.4f}",
                 with_interval(one["lamp_mura_contrast"], 4),
                 with_interval(one["mean_luminance_cd_m2"], 0),
-                short(spent / 1e6, 4),
+                number(spent / 1e6, 4),
             ]
         )
         if moved:
@@ -123,23 +105,10 @@ def _iterations(record: dict[str, Any]) -> str:
             "paths so far [million]")  # fmt: skip
     if moved:
         head += (f"shifted {moved:g} mm, traced",)
-    return (
-        figure(
-            figure_html(curves_figure(record), "curves"),
-            "Left: the maps over one lamp pitch; right: the luminance of each over its own mean, "
-            "as traced (Fourier series). The chosen one is blue; single curves can be switched in "
-            "the legend.",
-        )
-        + figure(
-            figure_html(progress_figure(record), "progress"),
-            "Lamp-Mura contrast (L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + "
-            "L<sub>min</sub>) of each traced map with its 95 % interval over the paths spent.",
-        )
-        + table(head, rows, numeric=range(1, len(head)))
-    )
+    return {"head": head, "rows": rows}
 
 
-def _method(record: dict[str, Any]) -> str:
+def _method(record: dict[str, Any]) -> list[tuple[str, str]]:
     design, constraint = record["design"], record["constraint"]
     shown = {
         "method": design["search"]["method"],
@@ -154,7 +123,7 @@ def _method(record: dict[str, Any]) -> str:
         "shift to be borne [mm]": design["constraint"]["registration_mm"],
         "seed": design["seed"],
     }
-    return fact_table((escape(name), escape(str(value))) for name, value in shown.items())
+    return [(name, str(value)) for name, value in shown.items()]
 
 
 def curves_figure(record: dict[str, Any]) -> "go.Figure":
@@ -167,8 +136,8 @@ def curves_figure(record: dict[str, Any]) -> "go.Figure":
         horizontal_spacing=0.1,
         subplot_titles=("curvature C [1/mm]", "luminance over its own mean [%]"),
     )
-    for number, one in enumerate(record["iterations"]):
-        chosen = number == record["chosen"]
+    for index, one in enumerate(record["iterations"]):
+        chosen = index == record["chosen"]
         line = {"color": _CHOSEN if chosen else _OTHER, "width": 3 if chosen else 1.5}
         shared = {"name": one["label"], "legendgroup": one["label"], "mode": "lines", "line": line}
         curvature = np.array(one["curvature_per_mm"])

@@ -1,21 +1,25 @@
 """The report: one self-contained HTML page that a person can decide from."""
 
-from html import escape
 from pathlib import Path
 from typing import Any
 
-from mpfcad.report.drawing.figure import PRINT_SCRIPT, plotly_script
-from mpfcad.report.page.cad_section import cad_section
+from mpfcad.report.page.cad_section import cad_values
+from mpfcad.report.page.environment import render
 from mpfcad.report.page.evidence import Evidence
-from mpfcad.report.page.section import (
-    film_section,
-    input_section,
-    luminance_section,
-    mask_section,
-    traceability_section,
-    verdict_section,
+from mpfcad.report.page.film_section import film_values
+from mpfcad.report.page.mask_section import mask_values
+from mpfcad.report.page.section import input_values, luminance_values, verdict_values
+
+#: Title and template of each section, in the page's order.
+SECTIONS = (
+    ("Verdict", "verdict"),
+    ("Traceability", "traceability"),
+    ("Inputs", "input"),
+    ("Curvature, fill, aperture", "film"),
+    ("Mask", "mask"),
+    ("CAD files", "cad"),
+    ("Luminance over the lamp pitch", "luminance"),
 )
-from mpfcad.report.page.style import STYLE
 
 
 def write_report(path: Path, record: dict[str, Any], evidence: Evidence) -> None:
@@ -25,25 +29,16 @@ def write_report(path: Path, record: dict[str, Any], evidence: Evidence) -> None
 
 def build_page(record: dict[str, Any], evidence: Evidence) -> str:
     """Return the page as HTML that needs no network."""
-    sections = (
-        ("1 Verdict", verdict_section(record)),
-        ("2 Traceability", traceability_section(record)),
-        ("3 Inputs", input_section(record, evidence)),
-        ("4 Curvature, fill, aperture", film_section(record, evidence)),
-        ("5 Mask", mask_section(record, evidence)),
-        ("6 CAD files", cad_section(record, evidence)),
-        ("7 Luminance over the lamp pitch", luminance_section(record)),
-    )
-    body = "".join(f"<section><h2>{title}</h2>{content}</section>" for title, content in sections)
-    name = escape(record["name"])
-    version = escape(record["provenance"]["versions"]["mpfcad"])
-    return (
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{record['verdict']}: {name}</title><style>{STYLE}</style>"
-        f"<script>{plotly_script()}</script></head><body><main>"
-        f'<h1>{name}</h1><p class="sub">Multi-performance film: verification report of mpfcad '
-        f"{version}</p>{body}<footer>Lengths in mm, angles in degrees, luminance in cd/m². Every "
-        f"figure of this page is in verification.json or curvature.csv.</footer></main>"
-        f"<script>{PRINT_SCRIPT}</script></body></html>\n"
+    versions = record["provenance"]["versions"]
+    return render(
+        "report.html.j2",
+        record=record,
+        sections=SECTIONS,
+        verdict=verdict_values(record),
+        versions=", ".join(f"{name} {value}" for name, value in versions.items()),
+        input=input_values(evidence),
+        film=film_values(record, evidence),
+        mask=mask_values(record, evidence),
+        cad=cad_values(record, evidence),
+        luminance=luminance_values(record),
     )

@@ -1,13 +1,13 @@
 """The page of a sweep: contrast and mean luminance over its axes."""
 
 import json
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mpfcad.report.drawing.figure import figure_html, styled
-from mpfcad.report.page.design_page import page
-from mpfcad.report.page.table import figure, short, table, with_interval
+from mpfcad.report.drawing.figure import styled
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.page.environment import render
+from mpfcad.report.page.number import number, with_interval
 from mpfcad.report.page.thickness_section import limit_words
 
 if TYPE_CHECKING:
@@ -23,26 +23,18 @@ def write_sweep_page(path: Path, record: dict[str, Any]) -> None:
 
 def build_sweep_page(record: dict[str, Any]) -> str:
     """Return the page as HTML that needs no network."""
-    name, version = escape(record["name"]), escape(record["versions"]["mpfcad"])
-    content = ""
-    if record["optima"]:
-        content += "<h2>1 Curves</h2>" + figure(
-            figure_html(curves_figure(record), "curves"),
-            "Lamp-Mura contrast (L<sub>max</sub> − L<sub>min</sub>)/(L<sub>max</sub> + "
-            "L<sub>min</sub>) and mean normal luminance with their 95 % intervals; the dotted line "
-            f"is the limit {record['sweep']['contrast_limit']:g}.",
-        )
-        content += "<h2>2 Optimum and range below the limit</h2>" + _optima(record)
-    if record["thickness_limits"]:
-        content += "<h2>3 Limit of thickness</h2>" + _limits(record)
-    number = 1 + content.count("<h2>")
-    content += f"<h2>{number} Points</h2>" + _points(record)
-    return page(
-        f"Sweep: {name}",
-        f'<h1>{name}</h1><p class="sub">{len(record["points"])} points, '
-        f"{record['paths'] / 1e6:.1f} million paths, mpfcad {version}</p>{content}"
-        "<footer>Every figure of this page is in sweep.json, and in sweep.nc as a labelled "
-        "dataset.</footer>",
+    optima = record["optima"]
+    return render(
+        "sweep.html.j2",
+        record=record,
+        million_paths=f"{record['paths'] / 1e6:.1f}",
+        limit=f"{record['sweep']['contrast_limit']:g}",
+        curves=plot(curves_figure(record), "curves") if optima else None,
+        optima=_optima(record) if optima else None,
+        limits=[
+            (_label(one["curve"]), " ".join(limit_words(one))) for one in record["thickness_limits"]
+        ],
+        points=_points(record),
     )
 
 
@@ -55,13 +47,13 @@ def _label(coordinate: dict[str, Any]) -> str:
     return ", ".join(words) or "all"
 
 
-def _optima(record: dict[str, Any]) -> str:
+def _optima(record: dict[str, Any]) -> dict[str, Any]:
     def ranges(found: list[list[float]]) -> str:
         return ", ".join(f"{low:.4g} … {high:.4g}" for low, high in found) or "none"
 
     rows = [
         [
-            escape(_label(one["curve"])),
+            _label(one["curve"]),
             f"{one['optimum']:g}",
             with_interval(one["contrast"], 4),
             with_interval(one["mean_luminance_cd_m2"], 0),
@@ -70,40 +62,32 @@ def _optima(record: dict[str, Any]) -> str:
         ]
         for one in record["optima"]
     ]
-    axis = escape(record["optima"][0]["axis"].rpartition(".")[2])
+    axis = record["optima"][0]["axis"].rpartition(".")[2]
     head = ("curve", f"best {axis}", "contrast there", "mean luminance [cd/m²]",
             f"{axis} below the limit", "certainly so (95 %)")  # fmt: skip
-    return table(head, rows, numeric=(1, 2, 3))
+    return {"head": head, "rows": rows}
 
 
-def _limits(record: dict[str, Any]) -> str:
-    """Return which thickness each curve serves, in words."""
-    return "".join(
-        f"<p><b>{escape(_label(one['curve']))}.</b> {escape(' '.join(limit_words(one)))}</p>"
-        for one in record["thickness_limits"]
-    )
-
-
-def _points(record: dict[str, Any]) -> str:
+def _points(record: dict[str, Any]) -> dict[str, Any]:
     axes = list(record["sweep"]["axis"])
     rows = [
         [
-            *(escape(f"{v:g}" if isinstance(v, float) else v) for v in one["coordinate"].values()),
+            *(f"{v:g}" if isinstance(v, float) else v for v in one["coordinate"].values()),
             with_interval(one["lamp_mura_contrast"], 4),
             with_interval(one["mean_luminance_cd_m2"], 0),
-            short(one["local_shift_mm"], 4),
-            short(one["paths"]),
+            number(one["local_shift_mm"], 4),
+            number(one["paths"]),
         ]
         for one in record["points"]
     ]
     head = (
-        *(escape(axis.rpartition(".")[2]) for axis in axes),
+        *(axis.rpartition(".")[2] for axis in axes),
         "contrast",
         "mean luminance [cd/m²]",
         "shift [mm]",
         "paths",
     )
-    return table(head, rows, numeric=range(len(axes), len(head)))
+    return {"head": head, "rows": rows, "numeric": range(len(axes), len(head))}
 
 
 def curves_figure(record: dict[str, Any]) -> "go.Figure":
@@ -117,7 +101,7 @@ def curves_figure(record: dict[str, Any]) -> "go.Figure":
         horizontal_spacing=0.1,
         subplot_titles=("lamp-Mura contrast", "mean normal luminance [cd/m²]"),
     )
-    for number, optimum in enumerate(record["optima"]):
+    for index, optimum in enumerate(record["optima"]):
         curve = [
             one
             for one in record["points"]
@@ -125,7 +109,7 @@ def curves_figure(record: dict[str, Any]) -> "go.Figure":
             == json.dumps(optimum["curve"])
         ]
         curve.sort(key=lambda one: one["coordinate"][axis])
-        name, colour = _label(optimum["curve"]), _COLOURS[number % len(_COLOURS)]
+        name, colour = _label(optimum["curve"]), _COLOURS[index % len(_COLOURS)]
         for column, key in ((1, "lamp_mura_contrast"), (2, "mean_luminance_cd_m2")):
             found = [one[key] for one in curve]
             made.add_scatter(

@@ -1,10 +1,10 @@
 """Which thickness a film serves, how bright it is, and what would help: in words and curves."""
 
-from html import escape
 from typing import TYPE_CHECKING, Any
 
-from mpfcad.report.drawing.figure import FILM_COLOUR, figure_html, line, styled
-from mpfcad.report.page.table import figure, table, with_interval
+from mpfcad.report.drawing.figure import FILM_COLOUR, line, styled
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.page.number import with_interval
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -96,48 +96,35 @@ def change_words(remedy: dict[str, Any]) -> str:
     return ", ".join(f"{k} = {v:.6g}" for k, v in remedy["override"].items()) or "as it is"
 
 
-def thickness_section(found: dict[str, Any]) -> str:
-    """Return the section of a design over a range of thickness, as HTML."""
-    words = "".join(f"<p>{escape(sentence)}</p>" for sentence in range_words(found))
-    rows = []
-    for point in found["points"]:
-        model, traced = point["model"], point["traced"]
-        rows.append(
-            [
-                f"{point['thickness_mm']:g}",
-                f"{model['lamp_mura_contrast']:.4f}",
-                f"{model['mean_luminance_cd_m2']:.0f}",
-                with_interval(traced["lamp_mura_contrast"], 4) if traced else "–",
-                with_interval(traced["mean_luminance_cd_m2"], 0) if traced else "–",
-                traced["outcome"] if traced else "–",
-            ]
-        )
-    head = ("thickness [mm]", "contrast: model", "mean luminance: model", "contrast, traced",
-            "mean luminance, traced [cd/m²]", "")  # fmt: skip
-    content = words + figure(
-        figure_html(thickness_figure(found), "thickness"),
-        "The best map of each thickness: contrast, and mean luminance. Line: the two-scale model, "
-        "corrected by the last trace; points: traced, with 95 % interval. Dotted: the acceptance "
-        "limit, and the conventional stack.",
-    )
-    content += table(head, rows, numeric=(0, 1, 2, 3, 4))
-    if found["remedies"]:
-        content += "<h3>What would help</h3>" + _remedy_table(found["remedies"])
-    return content
+def thickness_values(found: dict[str, Any]) -> dict[str, Any]:
+    """Return what the section of a design over a range of thickness shows."""
+    return {
+        "words": range_words(found),
+        "plot": plot(thickness_figure(found), "thickness"),
+        "points": [_point_row(point) for point in found["points"]],
+        "remedies": [_remedy_row(one) for one in found["remedies"]],
+    }
 
 
-def _remedy_table(remedies: list[dict[str, Any]]) -> str:
-    rows = [
-        [
-            f"{one['thickness_mm']:g}",
-            escape(change_words(one)),
-            f"{one['lamp_mura_contrast']:.4f}",
-            f"{one['mean_luminance_cd_m2']:.0f}",
-        ]
-        for one in remedies
+def _point_row(point: dict[str, Any]) -> list[str]:
+    model, traced = point["model"], point["traced"]
+    return [
+        f"{point['thickness_mm']:g}",
+        f"{model['lamp_mura_contrast']:.4f}",
+        f"{model['mean_luminance_cd_m2']:.0f}",
+        with_interval(traced["lamp_mura_contrast"], 4) if traced else "–",
+        with_interval(traced["mean_luminance_cd_m2"], 0) if traced else "–",
+        traced["outcome"] if traced else "–",
     ]
-    head = ("thickness [mm]", "change", "contrast: model, not corrected", "mean luminance [cd/m²]")
-    return table(head, rows, numeric=(0, 2, 3))
+
+
+def _remedy_row(one: dict[str, Any]) -> list[str]:
+    return [
+        f"{one['thickness_mm']:g}",
+        change_words(one),
+        f"{one['lamp_mura_contrast']:.4f}",
+        f"{one['mean_luminance_cd_m2']:.0f}",
+    ]
 
 
 def thickness_figure(found: dict[str, Any]) -> "go.Figure":

@@ -1,16 +1,14 @@
 """The report's words: what each gate means, and the verdict as a sentence."""
 
-from html import escape
 from typing import Any
 
-from mpfcad.report.page.table import short, with_interval
+from mpfcad.report.page.number import number, with_interval
 
-#: Gate -> (what it is, how it is computed); both HTML.
+#: Gate -> (what it is, how it is computed: `_{…}` is lowered).
 GATES = {
     "lamp_mura_contrast": (
         "Lamp-Mura contrast",
-        "(L<sub>max</sub> − L<sub>min</sub>) / (L<sub>max</sub> + L<sub>min</sub>) "
-        "over one lamp pitch",
+        "(L_{max} − L_{min}) / (L_{max} + L_{min}) over one lamp pitch",
     ),
     "mask_aperture_ratio_error": (
         "Mask: aperture ratio",
@@ -21,9 +19,9 @@ GATES = {
         "places narrower than min_aperture_um or min_web_um in sampled windows, by klayout",
     ),
     "step_valid": ("STEP: valid solids", "checked by OCCT after reading the file again"),
-    "step_volume_error": ("STEP: volume", "max |V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
+    "step_volume_error": ("STEP: volume", "max |V_{file} / V_{closed form} − 1|"),
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
-    "mesh_volume_error": ("STL: volume", "|V<sub>file</sub> / V<sub>closed form</sub> − 1|"),
+    "mesh_volume_error": ("STL: volume", "|V_{file} / V_{closed form} − 1|"),
     "mesh_normal_error_deg": (
         "STL: facet normals [°]",
         "angle to the true surface at the facet's ends, of the facet nearest to its limit",
@@ -34,7 +32,7 @@ GATES = {
     ),
     "step_mesh_volume_difference": (
         "STL against STEP: volume",
-        "|V<sub>STL</sub> / V<sub>STEP</sub> − 1|",
+        "|V_{STL} / V_{STEP} − 1|",
     ),
     "mask_mesh_curvature_difference_per_mm": (
         "Mask against STL [1/mm]",
@@ -82,22 +80,21 @@ def verdict_words(record: dict[str, Any]) -> str:
     return words
 
 
-def gate_row(gate: dict[str, Any]) -> list[Any]:
-    """Return the cells of a gate: what, how, value with interval, limit, outcome."""
-    label, formula = GATES.get(gate["name"], (escape(gate["name"]), ""))
-    value = short(gate["value"], 3)
-    limit = f"{'≥' if gate.get('at_least') else '≤'} {short(gate['limit'], 3)}"
+def gate_values(gate: dict[str, Any]) -> dict[str, Any]:
+    """Return what stands in a gate's line: what, how, value with interval, limits, outcome."""
+    label, formula = GATES.get(gate["name"], (gate["name"], ""))
+    sign = "≥" if gate.get("at_least") else "≤"
+    value, limit = number(gate["value"], 3), sign + " " + number(gate["limit"], 3)
     if gate["name"] in YES_NO:
         value, limit = ("yes" if gate["value"] else "no"), "yes"
     if gate["ci95"] is not None:
         value = with_interval(gate, 4)
-    if "marginal_limit" in gate:
-        limit += f"<br>marginal ≤ {short(gate['marginal_limit'], 3)}"
-    formula = f'<span class="formula">{formula}</span>'
-    return [
-        label,
-        formula,
-        ("nowrap", value),
-        ("nowrap", limit),
-        (gate["outcome"], gate["outcome"]),
-    ]
+    marginal = sign + " " + number(gate["marginal_limit"], 3) if "marginal_limit" in gate else ""
+    return {
+        "label": label,
+        "formula": formula,
+        "value": value,
+        "limit": limit,
+        "marginal": marginal,
+        "outcome": gate["outcome"],
+    }

@@ -1,0 +1,39 @@
+"""Plotly figures as data that a page draws when it is opened."""
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+_CONFIG = {"displaylogo": False, "responsive": True, "displayModeBar": False}
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure within a page.
+
+    Attributes
+    ----------
+    name
+        its id, the only one of that name in the page
+    height
+        in pixels
+    content
+        JSON of data, layout and config, safe between the tags of a script
+    """
+
+    name: str
+    height: int
+    content: Markup
+
+
+def plot(figure: "go.Figure", name: str) -> Plot:
+    """Return a figure as data; the same figure gives the same bytes."""
+    content = json.loads(figure.to_json()) | {"config": _CONFIG}
+    chosen = {key: content[key] for key in ("data", "layout", "config")}
+    text = json.dumps(chosen, sort_keys=True, ensure_ascii=False).replace("<", r"\u003c")
+    return Plot(name, int(figure.layout.height), Markup(text))

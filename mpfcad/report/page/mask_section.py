@@ -1,0 +1,56 @@
+"""What the report shows of the mask: figures read back from its files, and pictures of one."""
+
+from base64 import b64encode
+from typing import Any
+
+from mpfcad.film import CellFilm
+from mpfcad.report.drawing.mask_drawing import draw_mask
+from mpfcad.report.page.evidence import Evidence
+from mpfcad.report.page.number import number
+
+#: What is read back from each file: words, key of the record, digits.
+_LINES = (
+    ("aperture ratio, lowest", "aperture_ratio_min", 5),
+    ("aperture ratio, highest", "aperture_ratio_max", 5),
+    ("largest error of a groove's aperture ratio", "aperture_ratio_error_max", 3),
+    ("apertures", "aperture_count", 4),
+    ("smallest aperture [µm]", "smallest_aperture_um", 5),
+    ("smallest web [µm]", "smallest_web_um", 5),
+    ("width across the grooves [mm]", "width_mm", 7),
+    ("length along the grooves [mm]", "length_mm", 7),
+    ("database unit, or pixel [µm]", "database_unit_um", 3),
+    ("an edge is off by up to [µm]", "snap_error_um", 3),
+    ("largest error of a 1 mm square's ratio", "ratio_map_error_max", 3),
+    ("windows checked with klayout", "window_count", 3),
+    ("too narrow in them", "window_violations", 3),
+)
+
+
+def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
+    """Return what the mask files hold and their pictures, or why there is no mask."""
+    if record["mask"] is None:
+        cells = isinstance(evidence.drawn, CellFilm)
+        reason = "cells have no printing process" if cells else "an ideal film cannot be printed"
+        return {"reason": reason}
+    files = record["mask"]["files"]
+    names = list(files)
+    rows = [
+        [
+            label,
+            *("none" if files[n][key] is None else number(files[n][key], digits) for n in names),
+        ]
+        for label, key, digits in _LINES
+    ]
+    drawing = None
+    if names[0].endswith((".oas", ".gds")):
+        shown = evidence.shown_groove.items()
+        windows = {title: evidence.first_groove + groove for title, groove in shown}
+        file = evidence.folder / names[0]
+        drawing = draw_mask(file, evidence.panel, windows, evidence.mask_period)
+    return {
+        "names": names,
+        "rows": rows,
+        "stated": files[names[0]]["text"][1],
+        "picture": b64encode((evidence.folder / "mask.png").read_bytes()).decode("ascii"),
+        "drawing": drawing,
+    }
