@@ -101,10 +101,10 @@ def _iterations(record: dict[str, Any]) -> dict[str, Any]:
         if moved:
             shifted = one["shifted_lamp_mura_contrast"]
             rows[-1].append("–" if shifted is None else with_interval(shifted, 4))
-    head = ("", "C [1/mm]", "contrast: model", "traced [95 %]", "mean luminance [cd/m²]",
-            "paths so far [million]")  # fmt: skip
+    head = ["", "C [1/mm]", "contrast: model", "traced [95 %]", "mean luminance [cd/m²]",
+            "paths so far [million]"]  # fmt: skip
     if moved:
-        head += (f"shifted {moved:g} mm, traced",)
+        head.append(f"shifted {moved:g} mm, traced")
     return {"head": head, "rows": rows}
 
 

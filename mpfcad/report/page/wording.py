@@ -84,7 +84,8 @@ def gate_values(gate: dict[str, Any]) -> dict[str, Any]:
     """Return what stands in a gate's line: what, how, value with interval, limits, outcome."""
     label, formula = GATES.get(gate["name"], (gate["name"], ""))
     sign = "≥" if gate.get("at_least") else "≤"
-    value, limit = number(gate["value"], 3), sign + " " + number(gate["limit"], 3)
+    value: str = number(gate["value"], 3)
+    limit: str = sign + " " + number(gate["limit"], 3)
     if gate["name"] in YES_NO:
         value, limit = ("yes" if gate["value"] else "no"), "yes"
     if gate["ci95"] is not None:
