@@ -6,14 +6,14 @@ import numpy as np
 from manifold3d import triangulate
 from numba import njit, uint64
 
+from mpfcad.optics import sheet
 from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.bsdf.passage import bsdf_passage
-from mpfcad.optics.element import BSDF, SHEET, SLAB
+from mpfcad.optics.element import BSDF, SHEET, SLAB, TABLE
 from mpfcad.optics.engine import trace_paths
 from mpfcad.optics.film.passage import INDEX, INDEX_BELOW, film_passage, placed_film_passage
 from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
-from mpfcad.optics.sheet import sheet_passage
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.wave import Wave
@@ -256,11 +256,13 @@ def pass_layers(scene, enter_below, seed, out):
                 )
                 weight *= kept
             elif scene.kind[e] == SHEET:
-                passed, dx, dy, dz = sheet_passage(p[0], p[1], dx, dy, dz, rng)
-                weight *= p[2]
+                passed, dx, dy, dz = sheet.sheet_passage(
+                    p[sheet.SIGMA], p[sheet.INDEX], dx, dy, dz, rng
+                )
+                weight *= p[sheet.TRANSMISSION]
                 way = 1 if passed == up else -1
             elif scene.kind[e] == BSDF:
-                passed, dx, dy, dz, kept = bsdf_passage(scene.bsdf, int(p[0]), dx, dy, dz, rng)
+                passed, dx, dy, dz, kept = bsdf_passage(scene.bsdf, int(p[TABLE]), dx, dy, dz, rng)
                 weight *= kept
                 way = 1 if passed == up else -1
             else:

@@ -123,7 +123,7 @@ def _trace(case: Case, stack: Stack, blocks: int, seed: int) -> dict[str, list]:
     from mpfcad.optics.source import EYE, Source
 
     scene = build_scene(lower_stack(stack, read_film_mesh(case.mesh())))
-    position = np.linspace(0, 1, POINTS) * stack.lamp_pitch
+    position = np.linspace(0, 1, POINTS) * stack.period.across
     source = Source(EYE, position, stack["meter_spot_mm"], acceptance=stack.acceptance)
     tally = trace(scene, source, blocks, seed=seed)
     return {

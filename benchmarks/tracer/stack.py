@@ -32,7 +32,7 @@ def stack_rows(folder, quick, present):
     elements = lower_stack(stack, read_film_mesh(path))
     scene = build_scene(elements)
     position = np.linspace(0, 1, 33)
-    source = Source(EYE, position * stack.lamp_pitch, 1.0)
+    source = Source(EYE, position * stack.period.across, 1.0)
     blocks = 60 if quick else 240
     trace(scene, source, 1)
     tally, cpu = spent(lambda: trace(scene, source, blocks, seed=2))
@@ -84,7 +84,7 @@ def thread_rows(folder, quick, present):
     path = film_file(folder / "pitch.stl", [CONCAVE] * GROOVES, length=20.0)
     stack = read_stack(STACK)
     scene = build_scene(lower_stack(stack, read_film_mesh(path)))
-    source = Source(EYE, np.linspace(0, 1, 33) * stack.lamp_pitch, 1.0)
+    source = Source(EYE, np.linspace(0, 1, 33) * stack.period.across, 1.0)
     blocks, kernel, calls = 40 if quick else 160, engine.trace_paths, []
 
     def timed(*arguments):

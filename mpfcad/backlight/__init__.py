@@ -7,20 +7,25 @@ user's own.
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
 from mpfcad.backlight.layer import LAYERS, Layer
-from mpfcad.backlight.quantity import RANGES, Quantity
+from mpfcad.backlight.quantity import Quantity, ranges_with
 from mpfcad.backlight.reader import list_stacks, read_stack
+from mpfcad.backlight.source import Emitters, LightSource, Period, restore_spec
 from mpfcad.backlight.stack import PRISM_FILE, Stack, stack_file
 
 __all__ = [
     "LAYERS",
     "PRISM_FILE",
-    "RANGES",
     "BsdfLayer",
+    "Emitters",
     "Layer",
+    "LightSource",
+    "Period",
     "Quantity",
     "Stack",
     "list_stacks",
+    "ranges_with",
     "read_stack",
     "restore_bsdf_layer",
+    "restore_spec",
     "stack_file",
 ]

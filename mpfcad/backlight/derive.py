@@ -25,7 +25,7 @@ def derive(where: str, stack: Stack) -> Stack:
                 quantity[key] = _default(where, key, default, quantity)
     if stack.extent == "panel":
         for key, base in (
-            ("lamp_length_mm", "panel_length_mm"),
+            *stack.spec.defaults.items(),
             ("wall_reflectance", "reflector_reflectance"),
             ("wall_specular_fraction", "reflector_specular_fraction"),
         ):

@@ -5,8 +5,7 @@ import numpy as np
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
-from mpfcad.optics.cavity.finite import Panel
-from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.element import BsdfSheet, Element, Film, Sheet, Slab
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.search.chain import build_chain
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
@@ -26,7 +25,7 @@ def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> lis
     if stack.has_slot != (mesh is not None):
         what = "its film needs a mesh" if stack.has_slot else "has no film: allowed is no mesh"
         raise InputError(f"stack {stack.name}: {what}")
-    elements: list[Element] = [_cavity(stack)]
+    elements: list[Element] = [stack.source.lower(stack.tables)]
     for i, layer in enumerate(stack.layers):
         if layer in stack.own:
             elements.append(_own_layer(stack, layer, mesh, offset))
@@ -45,43 +44,6 @@ def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> lis
 
 def _words(layer: str) -> str:
     return layer.replace("_", " ")
-
-
-def _cavity(stack: Stack) -> Cavity:
-    table = stack.tables.get("reflector")
-    return Cavity(
-        height=stack.thickness,
-        lamp_pitch=stack.lamp_pitch,
-        lamp_position=0.0,
-        lamp_height=stack["lamp_height_mm"],
-        lamp_radius=stack["lamp_radius_mm"],
-        lamp_luminance=stack["lamp_luminance_cd_m2"],
-        lamp_reflectance=stack["lamp_reflectance"],
-        reflectance=stack["reflector_reflectance"],
-        specular_fraction=stack["reflector_specular_fraction"],
-        name="reflector",
-        panel=_panel(stack) if stack.extent == "panel" else None,
-        brdf=table.table if table else None,
-        blend=table.blend if table else 1.0,
-    )
-
-
-def _panel(stack: Stack) -> Panel:
-    """Return the panel with the central lamp's place at x = 0 and the middle at y = 0."""
-    left = -stack.lamp_position(stack.central_lamp)
-    half = stack.panel_length / 2
-    lamps = range(stack.lamp_count)
-    return Panel(
-        left,
-        left + stack.panel_width,
-        -half,
-        half,
-        tuple(left + stack.shifted_position(i) for i in lamps),
-        tuple(stack.lamp_factor(i) for i in lamps),
-        stack["lamp_length_mm"],
-        stack["wall_reflectance"],
-        stack["wall_specular_fraction"],
-    )
 
 
 def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:

@@ -7,15 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
-from mpfcad.backlight.check import check_fits, check_layers
+from mpfcad.backlight.check import check_layers
 from mpfcad.backlight.derive import derive
 from mpfcad.backlight.layer import read_layer
-from mpfcad.backlight.quantity import RANGES, read_quantity
+from mpfcad.backlight.quantity import ranges_with, read_quantity
+from mpfcad.backlight.source import SourceSpec, TubeSpec, read_spec
 from mpfcad.backlight.stack import EXTENTS, Stack
 from mpfcad.errors import InputError
 
 _PRESETS = Path(__file__).parent / "preset"
-_KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector"}
+_KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector", "source"}
 
 
 @dataclass
@@ -28,6 +29,7 @@ class _Text:
     extent: object = "pitch"
     value: dict[str, tuple[str, object]] = field(default_factory=dict)
     table: dict[str, BsdfLayer] = field(default_factory=dict)
+    spec: SourceSpec = field(default_factory=TubeSpec)
 
 
 def list_stacks() -> list[Stack]:
@@ -60,16 +62,20 @@ def read_stack(
     if text.extent not in EXTENTS:
         raise InputError(f"{where}: extent: {text.extent}: must be one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
-    quantity = {key: read_quantity(at, key, entry, own) for key, (at, entry) in text.value.items()}
-    missing = [key for key in RANGES if key not in quantity]
+    quantity = {
+        key: read_quantity(at, key, entry, own, text.spec)
+        for key, (at, entry) in text.value.items()
+    }
+    missing = [key for key in ranges_with(text.spec) if key not in quantity]
     if missing:
         raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
     stack = Stack(
-        Path(where).stem, text.title, layers, quantity, text.extent, own, tables=text.table
-    )
+        Path(where).stem, text.title, layers, quantity, text.extent, own, tables=text.table,
+        spec=text.spec,
+    )  # fmt: skip
     check_layers(where, stack)
     stack = derive(where, stack)
-    check_fits(where, stack)
+    stack.source.check(where)
     return stack
 
 
@@ -134,6 +140,8 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         if not isinstance(entry, dict):
             raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
         text.table["reflector"] = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
+    if "source" in table:
+        text.spec = read_spec(where, path.parent, table["source"])
     text.title = str(table.get("title", text.title))
     text.extent = table.get("extent", text.extent)
     return text

@@ -10,10 +10,10 @@ from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import (
     PANEL_RANGES,
     PARTICLE_RANGES,
-    RANGES,
     Quantity,
-    lamp_of,
+    ranges_with,
 )
+from mpfcad.backlight.source import LightSource, Period, SourceSpec, TubeSpec
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 EXTENTS = ("pitch", "panel")
@@ -33,7 +33,7 @@ class Stack:
         from the lamps up, names of `LAYERS` or of `own`; one is the place of the job's
         film, or none where a table stands in it
     quantity
-        one entry for each name of `RANGES`, and those that the stack needs besides
+        one entry for each name of `ranges_with`, and those that the stack needs besides
     extent
         `pitch`: everything repeats sideways without end; `panel`: the whole panel with its walls
     own
@@ -42,6 +42,8 @@ class Stack:
         by the layer's name, BSDF tables; `reflector`: one in the place of the reflector's values
     prism
         mesh file of the job's film without resin: needed where the resin scatters
+    spec
+        the kind of light source, and what of it is no number
     """
 
     name: str
@@ -52,6 +54,7 @@ class Stack:
     own: dict[str, Layer] = field(default_factory=dict)
     tables: dict[str, BsdfLayer] = field(default_factory=dict)
     prism: Path | None = None
+    spec: SourceSpec = field(default_factory=TubeSpec)
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -73,19 +76,19 @@ class Stack:
         return self["thickness_mm"]
 
     @property
-    def lamp_count(self) -> int:
-        """Number of lamps."""
-        return int(self["lamp_count"])
+    def source(self) -> LightSource:
+        """What lights the stack."""
+        return self.spec.of(self)
 
     @property
-    def lamp_pitch(self) -> float:
-        """Spacing of the lamps [mm]."""
-        return self["lamp_pitch_mm"]
+    def period(self) -> Period:
+        """The size [mm] of what repeats sideways."""
+        return self.source.period
 
     @property
-    def central_lamp(self) -> int:
-        """The lamp left of the panel's middle, at x = 0 of the scene."""
-        return max((self.lamp_count - 1) // 2, 0)
+    def origin(self) -> tuple[float, float]:
+        """(x, y) on the panel [mm] of the scene's x = 0, y = 0."""
+        return self.source.origin
 
     @property
     def acceptance(self) -> float:
@@ -101,23 +104,6 @@ class Stack:
     def sheet_count(self) -> int:
         """Number of layers that are handled on their own: a film bonded on a plate is not."""
         return sum(layer != "bonded_film" for layer in self.layers)
-
-    def lamp_position(self, number: int) -> float:
-        """Return the axis' even position [mm] on the panel of lamp `number`, from 0 at the left."""
-        row = (self.lamp_count - 1) * self.lamp_pitch
-        return (self.panel_width - row) / 2 + number * self.lamp_pitch
-
-    def shifted_position(self, number: int) -> float:
-        """Return the axis' position [mm] on the panel with the lamp's own shift."""
-        return self.lamp_position(number) + self._of_lamp(number, "shift_mm", 0.0)
-
-    def lamp_factor(self, number: int) -> float:
-        """Return a lamp's luminance as a multiple of all lamps'."""
-        return self._of_lamp(number, "luminance_factor", 1.0)
-
-    def _of_lamp(self, number: int, value: str, default: float) -> float:
-        quantity = self.quantity.get(f"lamp_{number + 1}_{value}")
-        return default if quantity is None else quantity.value
 
     def kind_of(self, layer: str) -> str:
         """Return `plate`, `sheet`, `film` or `bsdf`."""
@@ -167,17 +153,17 @@ class Stack:
     def inputs(self) -> list[dict[str, object]]:
         """Return each number in use as {name, value, tag, source}, the usual ones first."""
         panel = self.extent == "panel"
-        names = [*RANGES, *(PANEL_RANGES if panel else ())]
-        names += sorted((k for k in self.quantity if lamp_of(k)), key=lambda k: (lamp_of(k), k))
+        names = [*ranges_with(self.spec)]
+        names += [*self.spec.panel_ranges, *PANEL_RANGES] if panel else []
+        names += self.spec.numbered(self.quantity)
         names += [k for k in PARTICLE_RANGES if k in self.quantity]
         names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
         numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
             for k, q in ((k, self.quantity[k]) for k in names)
         ]
-        return numbers + [
-            {"name": k, **table.describe_source()} for k, table in self.tables.items()
-        ]
+        tables = [{"name": k, **table.describe_source()} for k, table in self.tables.items()]
+        return [*numbers, *self.spec.inputs(), *tables]
 
 
 def stack_file(layer: str) -> str:

@@ -124,7 +124,7 @@ def _trace_world(
         target = np.empty(shape, np.int64)
         weight, radiance = np.empty(shape), np.empty(shape)
         trace_world(
-            scene, film, up, stack.lamp_pitch, cells, grid.number, grid.corner, np.uint64(seed),
+            scene, film, up, stack.period.across, cells, grid.number, grid.corner, np.uint64(seed),
             first, WORLD_SAMPLES, np.zeros(RNG_SIZE, np.uint64), np.zeros(FLOW_SIZE),
             target, weight, radiance,
         )  # fmt: skip

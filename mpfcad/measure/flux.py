@@ -62,7 +62,7 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
     )
     # A meter of acceptance sine 1: kx, ky uniform over the unit disk, as Lambertian light arrives.
     stack = lit.stack
-    place = (np.array([stack.lamp_pitch / 2]), stack.lamp_pitch)
+    place = (np.array([stack.period.across / 2]), stack.period.across)
     if lit.is_finite:
         place = (np.array([middle(lit)]), stack.panel_width)
     backward = trace_rounds(
@@ -75,7 +75,7 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
         error_goal,
         _BACKWARD,
     )
-    emitted, area = lamp_flux(lit), screen_area(lit)
+    emitted, area = stack.source.flux, stack.source.lit_area
     return FluxResult(
         efficiency,
         scaled(efficiency, emitted / area),
@@ -87,24 +87,6 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
         scaled(efficiency, emitted),
         forward.total_paths + backward.total_paths,
     )
-
-
-def lamp_flux(lit: Lit) -> float:
-    """Return the flux that the panel's lamps emit, π L · 2π r · length, over all lamps [lm]."""
-    stack = lit.stack
-    tubes, length = float(stack.lamp_count), stack.panel_length
-    if lit.is_finite:
-        tubes = sum(stack.lamp_factor(number) for number in range(stack.lamp_count))
-        length = min(stack["lamp_length_mm"], length)
-    surface = 2 * np.pi * stack["lamp_radius_mm"] * length * 1e-6
-    return float(tubes * np.pi * stack["lamp_luminance_cd_m2"] * surface)
-
-
-def screen_area(lit: Lit) -> float:
-    """Return the area [m²] that the lamps light: a pitch for each, or the finite panel's."""
-    stack = lit.stack
-    width = stack.panel_width if lit.is_finite else stack.lamp_count * stack.lamp_pitch
-    return width * stack.panel_length * 1e-6
 
 
 def scaled(estimate: Estimate, factor: float) -> Estimate:

@@ -77,7 +77,7 @@ def luminance_over_pitch(
     stack = lit.stack
     position = np.linspace(0, 1, POINTS)
     source = Source(
-        EYE, position * stack.lamp_pitch, stack["meter_spot_mm"], acceptance=stack.acceptance
+        EYE, position * stack.period.across, stack["meter_spot_mm"], acceptance=stack.acceptance
     )
 
     def read(tally: "Tally") -> tuple[HarmonicFit, Estimate]:

@@ -66,7 +66,7 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
 
     check_finite(lit)
     stack = lit.stack
-    n, m = CELLS_A_LAMP * stack.lamp_count, CELLS_ALONG
+    n, m = CELLS_A_LAMP * stack.source.count, CELLS_ALONG
     width, length = stack.panel_width / n, stack.panel_length / m
     across, along = (np.arange(n) + 0.5) * width, (np.arange(m) + 0.5) * length
     source = Source(

@@ -87,4 +87,4 @@ def uniformity(
 def middle(lit: Lit) -> float:
     """Return x [mm] of the panel's middle, from the axis of the lamp left of it."""
     stack = lit.stack
-    return stack.panel_width / 2 - stack.lamp_position(stack.central_lamp)
+    return stack.panel_width / 2 - stack.origin[0]

@@ -10,8 +10,10 @@ from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.solid.mesh import FilmMesh
 
-#: Kinds as the kernels know them, in the order of `CLASSES`.
+#: Kinds as the kernels know them.
 CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
+#: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
+TABLE = 0
 
 
 @dataclass(frozen=True)
@@ -154,4 +156,3 @@ class BsdfSheet:
 
 
 Element = Cavity | Slab | Sheet | Film | BsdfSheet
-CLASSES = (Cavity, Slab, Sheet, Film, BsdfSheet)

@@ -16,10 +16,11 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
+from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.base.sampling import start_net_path
-from mpfcad.optics.cavity.endless import BRDF, NO_LAMP
-from mpfcad.optics.cavity.endless_lanes import cavity_passages
+from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
+from mpfcad.optics.cavity.queue import pass_cavity_queue
 from mpfcad.optics.element import CAVITY, FILM, Sheet
 from mpfcad.optics.film.chain_lanes import film_passages
 from mpfcad.optics.film.grid_lanes import grid_passages
@@ -34,7 +35,7 @@ from mpfcad.optics.film.passage import (
     into_film,
     out_of_film,
 )
-from mpfcad.optics.passage import pass_element, roulette
+from mpfcad.optics.passage import pass_element
 from mpfcad.optics.scene import Scene, build_scene
 from mpfcad.optics.search.tile import CHAIN, GRID
 from mpfcad.optics.search.tile_table import tile_of
@@ -88,25 +89,9 @@ def _pass_queue(scene, e, rays, wave, flow):
         if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
-    elif scene.kind[e] == CAVITY and len(scene.lamp) == 0 and scene.parameter[e, BRDF] < 0.0:
-        eight = _pass_cavity(scene, rays, wave, flow)
+    elif scene.kind[e] == CAVITY:
+        eight = pass_cavity_queue(scene, rays, wave, flow)
     _pass_one_by_one(scene, e, rays[eight:], wave, flow)
-
-
-@kernel
-def _pass_cavity(scene, rays, wave, flow):
-    """Follow rays through an endless cavity, put before those that start on its lamps.
-
-    Return how many these are.
-    """
-    count = 0
-    for i in range(len(rays)):
-        if wave.lamp[rays[i]] == NO_LAMP:
-            rays[count], rays[i] = rays[i], rays[count]
-            count += 1
-    for i in range(0, count, LANES):
-        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow)
-    return count
 
 
 @kernel

@@ -6,7 +6,6 @@ Everything repeats sideways without end: lamps with the lamp pitch, a film with 
 mesh.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,14 +14,13 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError, TraceError
 from mpfcad.optics.base.phase import phase_table
 from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
-from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.finite import NO_WALL
-from mpfcad.optics.element import CLASSES, FILM, BsdfSheet, Cavity, Element, Film, Slab
+from mpfcad.optics.element import FILM, Cavity, Element, Film, Slab
 from mpfcad.optics.film.passage import TILE
+from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
 from mpfcad.optics.search.tile import ACCELERATORS, build_tile
 from mpfcad.optics.search.tile_table import TileTable, build_tile_table
 
-_PARAMETERS = 12
 #: Largest length [mm] along y over which a meter averages on a finite panel.
 _MOST_ALONG = 2.0
 
@@ -35,9 +33,7 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 12) float64, the fields of each element in the order of its class, but for a film's;
-        a film's and a cavity's columns have names in `film` and `cavity`; a plate's end with the
-        row of its phase function or -1, a BSDF sheet's is the row of its table
+        (e, 12) float64, each element's values in the columns that its kernel names (`lowering`)
     tiles
         the tiles of the films and of the prisms under scattering resin
     phase
@@ -82,36 +78,22 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         when the mesh of a film that is bonded or holds resin has no flat underside.
     """
     _check_order(elements)
-    tiles, phases, bsdfs = _Rows(), _Rows(), _Rows()
-    kind = np.array([CLASSES.index(type(element)) for element in elements], np.int64)
-    parameter = np.zeros((len(elements), _PARAMETERS))
+    shared = Shared()
+    kind = np.zeros(len(elements), np.int64)
+    parameter = np.zeros((len(elements), COLUMNS))
     for i, element in enumerate(elements):
-        values = _parameters(element, tiles, phases, bsdfs)
-        parameter[i, : len(values)] = values
+        kind[i], parameter[i] = lower_element(element, shared)
     panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
     wall, lamp = panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
     length = max((_extent_along(e) for e in elements if isinstance(e, Film)), default=1.0)
     if panel:
         length = min(length, _MOST_ALONG)
-    table = build_tile_table([build_tile(mesh, way) for mesh, way in tiles.entries])
-    phase = phase_table(phases.entries)
-    bsdf = build_bsdf([t for t, _ in bsdfs.entries], [blend for _, blend in bsdfs.entries])
+    table = build_tile_table([build_tile(mesh, way) for mesh, way in shared.tiles.entries])
+    phase = phase_table(shared.phases.entries)
+    tables = shared.bsdfs.entries
+    bsdf = build_bsdf([t for t, _ in tables], [blend for _, blend in tables])
     sky = float(below), float(above)
     return Scene(kind, parameter, table, phase, bsdf, wall, lamp, length, *sky)
-
-
-class _Rows:
-    """What elements share, each once: `number` gives the row of an entry."""
-
-    def __init__(self) -> None:
-        self.entries: list = []
-        self._row: dict[object, int] = {}
-
-    def number(self, key: object, entry: object) -> float:
-        if key not in self._row:
-            self._row[key] = len(self.entries)
-            self.entries.append(entry)
-        return float(self._row[key])
 
 
 def _check_order(elements: list[Element]) -> None:
@@ -132,48 +114,8 @@ def _check_order(elements: list[Element]) -> None:
                 raise TraceError("a film upside down cannot be bonded on a slab")
 
 
-def _parameters(element: Element, tiles: _Rows, phases: _Rows, bsdfs: _Rows) -> list[float]:
-    """Return the numbers of an element in the order in which the kernels unpack them."""
-    if isinstance(element, Film):
-        cosine, sine = _quadrant(element.rotation)
-        mesh, way = element.mesh, element.accelerator
-        values = [element.index, element.index_below, element.offset, cosine, sine]
-        values += [float(element.flipped), tiles.number((id(mesh), way), (mesh, way))]
-        resin = element.resin
-        if resin is not None:
-            row = _phase_row(resin.phase, phases)
-            prism = tiles.number((id(resin.prism), "chain"), (resin.prism, "chain"))
-            values += [resin.scattering, resin.asymmetry, row, prism]
-        return values
-    if isinstance(element, BsdfSheet):
-        return [_bsdf_row(element.table, element.blend, bsdfs)]
-    skipped = ("name", "panel", "phase", "brdf", "blend")
-    values = [float(v) for k, v in vars(element).items() if k not in skipped]
-    if isinstance(element, Slab):
-        values.append(_phase_row(element.phase, phases))
-    if isinstance(element, Cavity):
-        values.append(_bsdf_row(element.brdf, element.blend, bsdfs))
-    return values
-
-
-def _bsdf_row(table: BsdfTable | None, blend: float, bsdfs: _Rows) -> float:
-    return -1.0 if table is None else bsdfs.number((id(table), blend), (table, blend))
-
-
-def _phase_row(phase: NDArray[np.float64] | None, phases: _Rows) -> float:
-    return -1.0 if phase is None else phases.number(id(phase), phase)
-
-
-def _quadrant(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle [rad], exact at right angles."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    if abs(cosine) < 1e-15 or abs(sine) < 1e-15:
-        return float(round(cosine)), float(round(sine))
-    return cosine, sine
-
-
 def _extent_along(film: Film) -> float:
     """Return over which length [mm] along y a film repeats; turned askew, its longer side."""
-    _, sine = _quadrant(film.rotation)
+    _, sine = quadrant(film.rotation)
     width, length, _ = film.mesh.size
     return length if sine == 0 else width if abs(sine) == 1 else max(width, length)

@@ -6,6 +6,9 @@ from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.sampling import gaussian_pair, uniform
 
+#: The columns of a sheet in `Scene.parameter`.
+SIGMA, INDEX, TRANSMISSION = range(3)
+
 
 @kernel
 def sheet_transmittance(cos_in, cos_out, index):

@@ -7,6 +7,8 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
 
+#: The columns of a plate in `Scene.parameter`; the last is the row of its phase function or -1.
+INDEX, THICKNESS, SCATTERING, ABSORPTION, ASYMMETRY, BONDED, PHASE = range(7)
 _MOST_STEPS = 1_000_000
 
 
@@ -19,8 +21,8 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
     are exponential of mean 1/scattering.
     """
     index, thickness, scattering, absorption, asymmetry, bonded, row = (
-        parameter[0], parameter[1], parameter[2], parameter[3], parameter[4],
-        parameter[5] != 0.0, int(parameter[6]),
+        parameter[INDEX], parameter[THICKNESS], parameter[SCATTERING], parameter[ABSORPTION],
+        parameter[ASYMMETRY], parameter[BONDED] != 0.0, int(parameter[PHASE]),
     )  # fmt: skip
     travelled = 0.0
     z = 0.0 if up else thickness

@@ -1,6 +1,5 @@
 """Where paths start: a luminance meter, light from below, or the lamps."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,14 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import root, select
 from mpfcad.optics.base.sampling import disk, uniform
-from mpfcad.optics.cavity.endless import (
-    LAMP_HEIGHT,
-    LAMP_POSITION,
-    LAMP_RADIUS,
-    NO_LAMP,
-    lambertian,
-)
-from mpfcad.optics.cavity.finite import lamp_start
+from mpfcad.optics.cavity.endless import NO_LAMP
+from mpfcad.optics.cavity.start import cavity_start
 
 EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
 
@@ -119,14 +112,5 @@ def start_ray(scene, source, point, rng):
     dz = remaining_cosine(px, py)
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
-    if len(scene.lamp) > 0:
-        x, y, z, dx, dy, dz, lamp = lamp_start(scene.parameter[0], scene.wall, scene.lamp, rng)
-        return 0, True, x, y, z, dx, dy, dz, lamp
-    # On the tube of the lamp nearest to x = position: a cosine about the outward normal.
-    angle = 2.0 * math.pi * uniform(rng)
-    cavity = scene.parameter[0]
-    nx, nz = math.cos(angle), math.sin(angle)
-    dx, dy, dz = lambertian(nx, 0.0, nz, rng)
-    z = cavity[LAMP_HEIGHT] + cavity[LAMP_RADIUS] * nz
-    x = cavity[LAMP_POSITION] + cavity[LAMP_RADIUS] * nx
-    return 0, True, x, y, z, dx, dy, dz, 0
+    x, y, z, dx, dy, dz, lamp = cavity_start(scene, y, rng)
+    return 0, True, x, y, z, dx, dy, dz, lamp

@@ -5,7 +5,7 @@ import math
 import pytest
 from harness import BARE, film_mesh
 
-from mpfcad.backlight import LAYERS, RANGES, list_stacks, read_stack
+from mpfcad.backlight import LAYERS, list_stacks, ranges_with, read_stack
 from mpfcad.backlight.lower import lower_stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
@@ -37,9 +37,9 @@ def test_the_presets_are_complete_and_say_where_their_values_are_from():
     ]
     for stack in stacks:
         entries = stack.inputs()
-        assert [e["name"] for e in entries] == list(RANGES)
+        assert [e["name"] for e in entries] == list(ranges_with(stack.spec))
         for entry in entries:
-            low, high = RANGES[entry["name"]]
+            low, high = ranges_with(stack.spec)[entry["name"]]
             assert low <= entry["value"] <= high
             assert entry["tag"] in ("sourced", "assumed")
             assert len(entry["source"]) > 3
@@ -67,9 +67,9 @@ def test_starting_values():
 
 def test_lamps_stand_in_the_middle_of_the_panel():
     stack = read_stack(MPF)
-    assert stack.lamp_position(0) == pytest.approx((392.26 - 11 * 32.69) / 2)
-    assert stack.lamp_position(11) + stack.lamp_position(0) == pytest.approx(392.26)
-    assert stack.lamp_position(5) - stack.lamp_position(4) == pytest.approx(32.69)
+    assert stack.source.lamp_position(0) == pytest.approx((392.26 - 11 * 32.69) / 2)
+    assert stack.source.lamp_position(11) + stack.source.lamp_position(0) == pytest.approx(392.26)
+    assert stack.source.lamp_position(5) - stack.source.lamp_position(4) == pytest.approx(32.69)
 
 
 def test_overrides_and_thickness_are_tagged_given():
@@ -176,3 +176,15 @@ def test_overrides_are_checked_like_values():
     refused(MPF, "stack.override", "film_indx", overrides={"film_indx": 1.5})
     refused(MPF, "thickness_mm", "5.2", thickness=5.0)
     refused(MPF, "nan", thickness=math.nan)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('source = "tubes"\n', ["source", "expected a table"]),
+        ('[source]\nkind = "candles"\n', ["source.kind", "candles", "expected tubes"]),
+        ('[source]\nkind = "tubes"\nsize = 3\n', ["source.size", "unknown key"]),
+    ],
+)
+def test_an_unknown_light_source_is_refused(tmp_path, text, words):
+    refused(write(tmp_path, f'extends = "{MPF}"\n' + text), *words)

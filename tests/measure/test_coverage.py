@@ -43,7 +43,7 @@ def lit(tmp_path_factory):
 
 def runs(lit, kind, points, blocks):
     """Return the tallies of runs with seeds of their own, and their sum."""
-    source = Source(kind, points * lit.stack.lamp_pitch, 1.0, acceptance=lit.stack.acceptance)
+    source = Source(kind, points * lit.stack.period.across, 1.0, acceptance=lit.stack.acceptance)
     found = [trace(lit.scene, source, blocks, seed=1000 + i) for i in range(RUNS)]
     total = found[0]
     for tally in found[1:]:

@@ -88,7 +88,7 @@ def test_flux_forward_backward_and_by_the_conoscope_agree(lit):
     within(found.exitance.value, flux.exitance.value, error, 3)
     # lm of the panel over lm/m²: its area.
     stack = lit.stack
-    area = stack.lamp_count * stack.lamp_pitch * stack.panel_length * 1e-6
+    area = stack.source.count * stack.period.across * stack.panel_length * 1e-6
     assert flux.flux.value / flux.exitance.value == pytest.approx(area)
 
 

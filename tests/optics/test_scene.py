@@ -43,9 +43,30 @@ def test_impossible_stacks_are_refused():
             build_scene(elements)
 
 
-def test_elements_keep_their_numbers(tmp_path):
+def test_elements_keep_their_numbers():
     scene = build_scene([CAVITY, Slab(1.49, 2.0, 0.6, 0.0036, 0.8), Sheet(0.36, 1.49, 0.98)])
     assert list(scene.kind) == [0, 1, 2]
     assert np.allclose(scene.parameter[0, :9], (20, 32.69, 0, 3.5, 1.7, 20100, 0.75, 0.94, 0.3))
     assert np.allclose(scene.parameter[1, :6], (1.49, 2, 0.6, 0.0036, 0.8, 0))
     assert np.allclose(scene.parameter[2, :3], (0.36, 1.49, 0.98))
+
+
+def moved(element):
+    """Return an element whose fields stand the other way round, after one that is new."""
+    copy = object.__new__(type(element))
+    copy.__dict__.update({"added": 7.0, **dict(reversed(vars(element).items()))})
+    return copy
+
+
+def test_a_field_added_or_moved_shifts_no_column(tmp_path):
+    film = Film(film_mesh(tmp_path, [BARE]), 1.5, rotation=0.3, offset=0.01)
+    elements = [CAVITY, Slab(1.49, 2.0, 0.6, 0.0036, 0.8), Sheet(0.36, 1.49, 0.98), film]
+    expected = build_scene(elements)
+    found = build_scene([moved(element) for element in elements])
+    assert np.array_equal(found.kind, expected.kind)
+    assert np.array_equal(found.parameter, expected.parameter)
+
+
+def test_an_element_of_no_known_kind_is_refused():
+    with pytest.raises(TraceError, match="expected one of Cavity"):
+        build_scene(["a mirror"])

@@ -28,7 +28,7 @@ def curve(tmp_path_factory):
         stack = read_stack(name)
         scene = build_scene(lower_stack(stack, film_mesh(folder, [surface] * 20, base=0.2)))
         source = Source(
-            EYE, POSITION * stack.lamp_pitch, stack["meter_spot_mm"], acceptance=stack.acceptance
+            EYE, POSITION * stack.period.across, stack["meter_spot_mm"], acceptance=stack.acceptance
         )
         # 330,000 paths by default; every curve its own seed, so that differences are independent.
         seed = int(1000 + 10 * (curvature or 0) + len(name) + 3 * len(profile))
@@ -113,7 +113,7 @@ def test_luminance_is_mirror_symmetric_about_the_lamps(curve, case):
 def test_luminance_repeats_with_the_lamp_pitch(tmp_path):
     stack = read_stack("thesis-32in-conventional")
     scene = build_scene(lower_stack(stack, film_mesh(tmp_path, [BARE] * 20, base=0.2)))
-    places = (0.25 + np.array([0.0, 1.0, -4.0])) * stack.lamp_pitch
+    places = (0.25 + np.array([0.0, 1.0, -4.0])) * stack.period.across
     tally = trace(scene, Source(EYE, places, 1.0, acceptance=stack.acceptance), 60, seed=61)
     for i in (1, 2):
         error = np.hypot(*tally.radiance_error[[0, i]])

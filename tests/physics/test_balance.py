@@ -129,7 +129,7 @@ def test_the_energy_of_a_whole_panel_closes():
     mesh = panel(392.25, SMOOTH)
     given = {"extent": "panel", "lamp_3_luminance_factor": 0.5, "lamp_length_mm": 690.0}
     stack = read_stack("thesis-32in-mpf", overrides=given)
-    elements = lower_stack(stack, mesh, -stack.lamp_position(stack.central_lamp))
+    elements = lower_stack(stack, mesh, -stack.origin[0])
     tally = trace(build_scene(elements), Source(LAMPS, np.zeros(1), 0.0), 150, seed=55)
     flow = tally.fraction
     assert flow.sum() == pytest.approx(1, abs=1e-12)

@@ -18,7 +18,7 @@ from mpfcad.optics.source import EYE, Source
 
 stack = read_stack("thesis-32in-mpf", overrides={"extent": "panel"})
 lit = light_film(stack, Path(sys.argv[1]))
-source = Source(EYE, np.linspace(0, 1, 33) * stack.lamp_pitch, 1.0)
+source = Source(EYE, np.linspace(0, 1, 33) * stack.period.across, 1.0)
 peaks = []
 for paths in (1e5, 1e6, 1e7):
     tally = trace(lit.scene, source, round(paths / (33 * BLOCK)), seed=61, threads=2)

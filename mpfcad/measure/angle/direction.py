@@ -24,7 +24,7 @@ def trace_directions(
     from mpfcad.optics.source import EYE, Source
 
     polar, azimuth = np.broadcast_arrays(np.asarray(polar, float), np.asarray(azimuth, float))
-    pitch = lit.stack.lamp_pitch
+    pitch = lit.stack.period.across
     source = Source(
         EYE,
         np.full(polar.shape, pitch / 2),

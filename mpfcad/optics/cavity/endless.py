@@ -92,3 +92,14 @@ def reflector_direction(specular_fraction, dx, dy, dz, rng):
         return True, dx, dy, -dz
     px, py = disk(rng)
     return False, px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))
+
+
+@kernel
+def tube_start(parameter, rng):
+    """Return (x, z, dx, dy, dz) on the tube at `LAMP_POSITION`: a cosine about its normal."""
+    angle = 2.0 * math.pi * uniform(rng)
+    nx, nz = math.cos(angle), math.sin(angle)
+    dx, dy, dz = lambertian(nx, 0.0, nz, rng)
+    z = parameter[LAMP_HEIGHT] + parameter[LAMP_RADIUS] * nz
+    x = parameter[LAMP_POSITION] + parameter[LAMP_RADIUS] * nx
+    return x, z, dx, dy, dz

@@ -4,6 +4,7 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import LANES, any_of, root, select, spread
 from mpfcad.optics.base.lanes_array import load, load_lines, store, store_lines
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_ROULETTE
+from mpfcad.optics.base.roulette import ROULETTE_BELOW
 from mpfcad.optics.base.sampling import disk_point, frame
 from mpfcad.optics.base.sampling_lanes import next_two, take
 from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light
@@ -21,7 +22,6 @@ from mpfcad.optics.cavity.endless import (
     lamp_hit,
 )
 
-_ROULETTE_BELOW = 0.1
 _MOST_MEETINGS = 1_000_000
 _FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST = range(5)
 
@@ -126,7 +126,7 @@ def _follow(cavity, place, rng, flow):
         dz = select(turned, pz, select(mirrored, -dz, dz))
         own = select(lamp, number, select(floor, 1.0 * NO_LAMP, own))
         # The roulette.
-        faint = (lamp | floor) & (weight < _ROULETTE_BELOW) & (weight > 0.0)
+        faint = (lamp | floor) & (weight < ROULETTE_BELOW) & (weight > 0.0)
         draw, spare, has = take(draw, spare, has, aft, diffuse ^ faint, diffuse & faint)
         ends = faint & (select(diffuse, four, three) < 0.5)
         lives = faint & (ends ^ True)

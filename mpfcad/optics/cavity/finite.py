@@ -62,11 +62,15 @@ class Panel:
         Walls: left, right, near, far, reflectance, specular share, half the lamps' length. Lamps:
         position, factor, share of all light that this lamp and those before it give.
         """
-        wall = [self.left, self.right, self.near, self.far]
-        wall += [self.wall_reflectance, self.wall_specular_fraction, self.lamp_length / 2]
+        wall, lamp = NO_WALL.copy(), np.zeros((len(self.lamp_position), 3))
+        wall[LEFT], wall[RIGHT], wall[NEAR], wall[FAR] = self.left, self.right, self.near, self.far
+        wall[WALL_REFLECTANCE] = self.wall_reflectance
+        wall[WALL_SPECULAR_FRACTION] = self.wall_specular_fraction
+        wall[HALF_LAMP] = self.lamp_length / 2
         factor = np.array(self.lamp_factor, np.float64)
-        share = np.cumsum(factor) / max(factor.sum(), 1e-300)
-        return np.array(wall), np.stack([np.array(self.lamp_position), factor, share], axis=1)
+        lamp[:, POSITION], lamp[:, FACTOR] = self.lamp_position, factor
+        lamp[:, SHARE] = np.cumsum(factor) / max(factor.sum(), 1e-300)
+        return wall, lamp
 
 
 @kernel

@@ -215,7 +215,7 @@ class ThicknessSearch:
                 name = f"{layer}.sigma" if layer in stack.own else f"{layer}_sigma"
                 changes.append({name: round(stack[name] + _SIGMA_STEP, 6)})
         for more in _LAMP_STEPS:
-            changes.append(spread_lamps(stack.panel_width, stack.lamp_count + more))
+            changes.append(spread_lamps(stack.panel_width, stack.source.count + more))
         return [self._remedy(thickness, change) for change in changes]
 
     def _remedy(self, thickness: float, change: dict[str, float]) -> dict[str, Any]:

@@ -54,7 +54,7 @@ class DesignWork:
         self.process = read_job_process(
             job, None if calibration is None else file.parent / calibration, self.groove, str(file)
         )
-        self.pitch = self.stack.lamp_pitch
+        self.pitch = self.stack.period.across
         self.constraint = design_constraint(design, self.process, file)
         self.goal = design_goal(design)
         self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())

@@ -99,7 +99,7 @@ def _plain_case(stack: Stack) -> Case:
 
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack.lamp_pitch), mesh, CadTable().angle_tolerance)
+        write_stl(baseline_film(stack.period.across), mesh, CadTable().angle_tolerance)
         return Case("BEF", "plain BEF", light_film(stack, mesh))
 
 

@@ -70,10 +70,10 @@ def cut_window(job: Job, film: FieldFilm, stack: Stack, where: str) -> tuple[int
     table, pitch = job.cad, film.groove.pitch
     if table.extent == "panel":
         return 0, cut_piece(film, 0, film.groove_count, 0.0, film.length, job.film.base)
-    width = table.inside("width_mm") or stack.lamp_pitch
+    width = table.inside("width_mm") or stack.period.across
     count = min(math.ceil(width / pitch - 1e-9), film.groove_count)
     start = table.inside("start_across_mm")
-    place = stack.lamp_position(stack.central_lamp) if start is None else start
+    place = stack.origin[0] if start is None else start
     first = round(place / pitch)
     if start is None:
         first = min(max(first, 0), film.groove_count - count)
@@ -144,7 +144,7 @@ def refuse_single(film: FieldFilm, piece: FieldPiece, stack: Stack, where: str) 
             f"{where}: cad.length_mm: {length:g}: the curvature of the piece and of what follows "
             f"along differ by up to {max(ends, beside):.3g} /mm: {hint}"
         )
-    if width < stack.lamp_pitch - piece.groove.pitch:
+    if width < stack.period.across - piece.groove.pitch:
         beside = _difference(film, piece, (width, 0.0))
         if beside > REPEAT_TOLERANCE:
             raise InputError(

@@ -15,6 +15,7 @@ from mpfcad.backlight import (
     Stack,
     read_stack,
     restore_bsdf_layer,
+    restore_spec,
     stack_file,
 )
 from mpfcad.errors import ExportError, InputError
@@ -94,7 +95,7 @@ class Plan:
     @property
     def lamp_position(self) -> float:
         """Position [mm] on the panel of the lamp that the traced pitch starts at."""
-        return self.stack.lamp_position(central_lamp(self.stack))
+        return self.stack.origin[0]
 
     @property
     def offset(self) -> float:
@@ -122,11 +123,6 @@ class Plan:
             profile=self.panel.profile,
             aperture_ratio=ratio,
         )
-
-
-def central_lamp(stack: Stack) -> int:
-    """Return the lamp left of the panel's middle: the traced pitch runs from it to the next."""
-    return stack.central_lamp
 
 
 def groove_count(width: float, pitch: float) -> int:
@@ -167,8 +163,8 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         refuse_window(job, str(job_file))
         curvature = _read_map(job, job_file, stack, groove).on_grooves(
             (np.arange(count) + 0.5) * groove.pitch,
-            stack.lamp_pitch,
-            stack.lamp_position(central_lamp(stack)),
+            stack.period.across,
+            stack.origin[0],
         )
         curvature = _as_written(curvature)
     text = calibration.read_text("utf-8") if calibration else None
@@ -228,9 +224,11 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
 
 def describe_stack(stack: Stack) -> dict[str, Any]:
     """Return a stack as plain values; `restore_stack` makes the same stack of them again."""
+    source = stack.spec.describe()
     return {
         "name": stack.name,
         "title": stack.title,
+        **({"source": source} if source else {}),
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
         "tables": {name: table.describe() for name, table in stack.tables.items()},
@@ -249,7 +247,7 @@ def restore_stack(document: dict[str, Any]) -> Stack:
     tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
     return Stack(
         document["name"], document["title"], tuple(document["layers"]), quantity,
-        document["extent"], own, tables,
+        document["extent"], own, tables, spec=restore_spec(document.get("source", {})),
     )  # fmt: skip
 
 
@@ -296,8 +294,8 @@ def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm
     if job.cad.extent == "panel":
         return 0, panel
     pitch = panel.groove.pitch
-    count = min(groove_count(stack.lamp_pitch, pitch), panel.groove_count)
-    first = round(stack.lamp_position(central_lamp(stack)) / pitch)
+    count = min(groove_count(stack.period.across, pitch), panel.groove_count)
+    first = round(stack.origin[0] / pitch)
     first = min(max(first, 0), panel.groove_count - count)
     return first, panel.cut(first, count, job.cad.length)
 
@@ -314,7 +312,7 @@ def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> Curvatu
         repeat=job.map.repeat,
         profile=job.film.profile,
         groove=groove,
-        lamp_pitch=stack.lamp_pitch,
+        lamp_pitch=stack.period.across,
         panel_width=stack.panel_width,
     )
 

@@ -156,7 +156,7 @@ def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
     stack = plan.stack
     shift = coordinate.get("shift_mm", 0.0)
     shift += coordinate.get("stretch_percent", 0.0) / 100 * stack.panel_width / 2
-    shift += coordinate.get("lamp_pitch_error_mm", 0.0) * (stack.lamp_count - 1) / 2
+    shift += coordinate.get("lamp_pitch_error_mm", 0.0) * (stack.source.count - 1) / 2
     shift += math.tan(coordinate.get("rotation_deg", 0.0) * deg) * stack.panel_length / 2
     return shift
 
@@ -171,7 +171,7 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     stack, shift = plan.stack, local_shift(plan, point.coordinate)
     error = point.coordinate.get("lamp_pitch_error_mm", 0.0)
     if error:
-        wrong = Quantity(stack.lamp_pitch + error, "given", "axis of the sweep")
+        wrong = Quantity(stack.period.across + error, "given", "axis of the sweep")
         stack = stack.with_values({"lamp_pitch_mm": wrong})
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)

@@ -140,7 +140,7 @@ def light_baseline(angle_tolerance: float) -> Lit:
     stack = read_stack(BASELINE_PRESET)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack.lamp_pitch), mesh, angle_tolerance)
+        write_stl(baseline_film(stack.period.across), mesh, angle_tolerance)
         return light_film(stack, mesh)
 
 

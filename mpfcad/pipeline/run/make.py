@@ -151,7 +151,7 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
     """
     film = plan.drawn
     grooves = film.film if isinstance(film, MadeFilm) else film
-    count = groove_count(plan.stack.lamp_pitch, grooves.groove.pitch)
+    count = groove_count(plan.stack.period.across, grooves.groove.pitch)
     names = []
     for first in range(0, grooves.groove_count, count):
         tile = drawing_of(film.cut(first, count, grooves.length), plan.job.cad)

@@ -18,6 +18,7 @@ STYLE = {
 OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet"}
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
+LIGHT = 'fill="#ffe9a8" stroke="#b58a1b"'
 SOFT = 'font-size="12" fill="#5a6570"'
 
 
@@ -40,14 +41,19 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     """Return reflector, lamps and the dimension of the cavity above `floor`."""
     scale = CAVITY / stack.thickness
     across = WIDTH / LAMPS
-    radius = max(stack["lamp_radius_mm"] * scale, 3)
-    y = floor - stack["lamp_height_mm"] * scale
+    lit = stack.source.emitters()
+    radius = max(lit.height / 2 * scale, 3)
+    y = floor - lit.centre * scale
     parts = [svg.rectangle(LEFT, floor, WIDTH, 8, 'fill="#fff" stroke="#444"')]
     for i in range(LAMPS):
         x = LEFT + (i + 0.5) * across
-        parts.append(svg.circle(x, y, radius, 'fill="#ffe9a8" stroke="#b58a1b"'))
+        if lit.is_round:
+            parts.append(svg.circle(x, y, radius, LIGHT))
+        else:
+            wide = max(lit.width * scale, 6)
+            parts.append(svg.rectangle(x - wide / 2, y - radius, wide, 2 * radius, LIGHT))
     first, second, level = LEFT + across / 2, LEFT + 1.5 * across, y - radius - 12
-    parts += _dimension((first, level), (second, level), f"{stack.lamp_pitch:g} mm")
+    parts += _dimension((first, level), (second, level), f"{lit.spacing:g} mm")
     right = LEFT + WIDTH - 14
     parts += _dimension((right, floor), (right, floor - CAVITY), f"{stack.thickness:g} mm")
     specular = stack["reflector_specular_fraction"] * 100
@@ -55,11 +61,7 @@ def _draw_cavity(stack: Stack, floor: float) -> list[str]:
     if "reflector" in stack.tables:
         note = f"by its BRDF table {stack.tables['reflector'].name}"
     parts += _label(floor + 4, "reflector", note)
-    lamp = (
-        f"{stack.lamp_count}, radius {stack['lamp_radius_mm']:g} mm, axis "
-        f"{stack['lamp_height_mm']:g} mm up, {stack['lamp_luminance_cd_m2']:g} cd/m²"
-    )
-    return parts + _label(y - 8, "lamps", lamp)
+    return parts + _label(y - 8, lit.name, lit.note)
 
 
 def _draw(stack: Stack, layer: str, top: float) -> list[str]:

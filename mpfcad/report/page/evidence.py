@@ -60,7 +60,7 @@ class Evidence:
         """Where the drawings look: title -> groove of the piece, above a lamp and between two."""
         pitch, last = self.piece.groove.pitch, self.piece.groove_count - 1
         lamp = (self.lamp_position - self.piece.origin) / pitch
-        between = lamp + self.stack.lamp_pitch / 2 / pitch
+        between = lamp + self.stack.period.across / 2 / pitch
         places = {"above the lamp": lamp, "between the lamps": between}
         return {title: min(max(round(at), 0), last) for title, at in places.items()}
 

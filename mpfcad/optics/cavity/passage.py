@@ -1,0 +1,121 @@
+"""One ray's way through the space under the stack, whatever lights it, until it leaves upward."""
+
+import math
+
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_WALLS
+from mpfcad.optics.base.roulette import roulette
+from mpfcad.optics.bsdf.passage import bsdf_passage
+from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
+from mpfcad.optics.cavity.endless import (
+    BRDF,
+    HEIGHT,
+    LAMP,
+    LAMP_HEIGHT,
+    LAMP_LUMINANCE,
+    LAMP_RADIUS,
+    LAMP_REFLECTANCE,
+    NO_LAMP,
+    OPENING,
+    REFLECTANCE,
+    REFLECTOR,
+    SPECULAR_FRACTION,
+    cavity_hit,
+    lambertian,
+    reflector_direction,
+)
+from mpfcad.optics.cavity.finite import (
+    FACTOR,
+    LAMP_END,
+    WALL_ACROSS,
+    WALL_ALONG,
+    WALL_REFLECTANCE,
+    WALL_SPECULAR_FRACTION,
+    panel_hit,
+    wall_direction,
+)
+
+_MOST_MEETINGS = 1_000_000
+
+
+@kernel
+def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+    """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance).
+
+    `lamp` is the emitter that the ray starts on, at (x, y, z), or `NO_LAMP`: it comes from above.
+    """
+    if lamp == NO_LAMP:
+        z = scene.parameter[0, HEIGHT]
+    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng)
+
+
+@kernel
+def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+    """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
+    parameter = scene.parameter[0]
+    finite = len(scene.lamp) > 0
+    radiance = 0.0
+    first, last = NONE_COUNTED
+    for _ in range(_MOST_MEETINGS):
+        if finite:
+            what, x, y, z, number, centre = panel_hit(
+                parameter, scene.wall, scene.lamp, x, y, z, dx, dy, dz, lamp
+            )
+        else:
+            what, x, y, z, number, centre = cavity_hit(parameter, x, y, z, dx, dy, dz, lamp)
+        if what == OPENING:
+            return x, y, dx, dy, dz, weight, radiance
+        if what == LAMP:
+            luminance = parameter[LAMP_LUMINANCE] * (scene.lamp[number, FACTOR] if finite else 1.0)
+            if not first <= number <= last:
+                radiance += weight * luminance
+            first, last = NONE_COUNTED
+            flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
+            weight *= parameter[LAMP_REFLECTANCE]
+            lamp = number
+            nx = (x - centre) / parameter[LAMP_RADIUS]
+            nz = (z - parameter[LAMP_HEIGHT]) / parameter[LAMP_RADIUS]
+            dx, dy, dz = lambertian(nx, 0.0, nz, rng)
+        elif what == REFLECTOR:
+            before = weight
+            lamp = NO_LAMP
+            table = int(parameter[BRDF])
+            if table >= 0:
+                _, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
+                weight *= survival
+                dz = abs(dz)
+            else:
+                weight *= parameter[REFLECTANCE]
+                if not finite:
+                    share, nearest = direct_light(parameter, x, dx, dz)
+                    radiance += weight * share * parameter[LAMP_LUMINANCE]
+                    first, last = int(nearest) - 1, int(nearest) + 1
+                come = dx / math.sqrt(dx * dx + dz * dz)
+                mirrored, dx, dy, dz = reflector_direction(
+                    parameter[SPECULAR_FRACTION], dx, dy, dz, rng
+                )
+                if mirrored and not finite:
+                    first, last = ALL_COUNTED
+                if finite:
+                    gone = dx / math.sqrt(dx * dx + dz * dz)
+                    surplus = panel_surplus(parameter, scene.lamp, x, come, gone)
+                    radiance += weight * surplus * parameter[LAMP_LUMINANCE]
+            flow[FLOW_ELEMENTS] += before - weight
+        elif what in (WALL_ACROSS, WALL_ALONG):
+            flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])
+            weight *= scene.wall[WALL_REFLECTANCE]
+            lamp = NO_LAMP
+            dx, dy, dz = wall_direction(what, scene.wall[WALL_SPECULAR_FRACTION], dx, dy, dz, rng)
+        elif what == LAMP_END:
+            # The ends hold the electrodes: they reflect like the tube and do not shine.
+            flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
+            weight *= parameter[LAMP_REFLECTANCE]
+            lamp = number
+            dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
+        else:
+            break
+        weight = roulette(weight, flow, rng)
+        if weight == 0.0:
+            return x, y, dx, dy, dz, weight, radiance
+    flow[FLOW_LOST] += weight
+    return x, y, dx, dy, dz, 0.0, radiance

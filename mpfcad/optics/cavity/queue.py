@@ -1,0 +1,25 @@
+"""The rays that wait before the cavity: which of them are followed eight at a time."""
+
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.lanes import LANES
+from mpfcad.optics.cavity.endless import BRDF, NO_LAMP
+from mpfcad.optics.cavity.endless_lanes import cavity_passages
+
+
+@kernel
+def pass_cavity_queue(scene, rays, wave, flow):
+    """Follow through the cavity what goes eight rays at a time; return how many rays that were.
+
+    These are put first: what does not start on a lamp, under an endless row of tubes over a
+    reflector that is no table.
+    """
+    if len(scene.lamp) > 0 or scene.parameter[0, BRDF] >= 0.0:
+        return 0
+    count = 0
+    for i in range(len(rays)):
+        if wave.lamp[rays[i]] == NO_LAMP:
+            rays[count], rays[i] = rays[i], rays[count]
+            count += 1
+    for i in range(0, count, LANES):
+        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow)
+    return count

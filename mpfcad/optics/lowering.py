@@ -1,0 +1,161 @@
+"""Elements lowered to rows of `Scene.parameter`: each value by the name of its column.
+
+The columns are named beside the kernel that reads them, and no order of fields counts: a field
+added to an element, or moved in it, changes nothing until it gets a column here.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import TraceError
+from mpfcad.optics import sheet, slab
+from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity import endless
+from mpfcad.optics.element import (
+    BSDF,
+    CAVITY,
+    FILM,
+    SHEET,
+    SLAB,
+    TABLE,
+    BsdfSheet,
+    Cavity,
+    Element,
+    Film,
+    Sheet,
+    Slab,
+)
+from mpfcad.optics.film import passage as film
+
+#: Columns of a row: as many as the kind with most of them needs.
+COLUMNS = 12
+
+
+class Rows:
+    """What elements share, each once: `number` gives the row of an entry."""
+
+    def __init__(self) -> None:
+        self.entries: list = []
+        self._row: dict[object, int] = {}
+
+    def number(self, key: object, entry: object) -> float:
+        """Return the row of an entry, which is added where its key is new."""
+        if key not in self._row:
+            self._row[key] = len(self.entries)
+            self.entries.append(entry)
+        return float(self._row[key])
+
+
+class Shared:
+    """The tiles, phase functions and BSDF tables of a scene's elements."""
+
+    def __init__(self) -> None:
+        self.tiles, self.phases, self.bsdfs = Rows(), Rows(), Rows()
+
+    def bsdf_row(self, table: BsdfTable | None, blend: float) -> float:
+        """Return the row of a table, or -1 where there is none."""
+        return -1.0 if table is None else self.bsdfs.number((id(table), blend), (table, blend))
+
+    def phase_row(self, phase: NDArray[np.float64] | None) -> float:
+        """Return the row of a phase function, or -1 where there is none."""
+        return -1.0 if phase is None else self.phases.number(id(phase), phase)
+
+
+def lower_element(element: Element, shared: Shared) -> tuple[int, NDArray[np.float64]]:
+    """Return an element's kind and its row, (COLUMNS,) float64.
+
+    Raises
+    ------
+    TraceError
+        when it is of no known kind.
+    """
+    for known, (kind, columns_of) in _LOWERED.items():
+        if isinstance(element, known):
+            row = np.zeros(COLUMNS)
+            for column, value in columns_of(element, shared).items():
+                row[column] = float(value)
+            return kind, row
+    names = ", ".join(known.__name__ for known in _LOWERED)
+    raise TraceError(f"element {type(element).__name__}: expected one of {names}")
+
+
+def quadrant(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle [rad], exact at right angles."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    if abs(cosine) < 1e-15 or abs(sine) < 1e-15:
+        return float(round(cosine)), float(round(sine))
+    return cosine, sine
+
+
+def _cavity_columns(cavity: Cavity, shared: Shared) -> Mapping[int, float]:
+    return {
+        endless.HEIGHT: cavity.height,
+        endless.LAMP_PITCH: cavity.lamp_pitch,
+        endless.LAMP_POSITION: cavity.lamp_position,
+        endless.LAMP_HEIGHT: cavity.lamp_height,
+        endless.LAMP_RADIUS: cavity.lamp_radius,
+        endless.LAMP_LUMINANCE: cavity.lamp_luminance,
+        endless.LAMP_REFLECTANCE: cavity.lamp_reflectance,
+        endless.REFLECTANCE: cavity.reflectance,
+        endless.SPECULAR_FRACTION: cavity.specular_fraction,
+        endless.BRDF: shared.bsdf_row(cavity.brdf, cavity.blend),
+    }
+
+
+def _slab_columns(plate: Slab, shared: Shared) -> Mapping[int, float]:
+    return {
+        slab.INDEX: plate.index,
+        slab.THICKNESS: plate.thickness,
+        slab.SCATTERING: plate.scattering,
+        slab.ABSORPTION: plate.absorption,
+        slab.ASYMMETRY: plate.asymmetry,
+        slab.BONDED: plate.bonded,
+        slab.PHASE: shared.phase_row(plate.phase),
+    }
+
+
+def _sheet_columns(thin: Sheet, shared: Shared) -> Mapping[int, float]:
+    return {
+        sheet.SIGMA: thin.sigma,
+        sheet.INDEX: thin.index,
+        sheet.TRANSMISSION: thin.transmission,
+    }
+
+
+def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
+    cosine, sine = quadrant(placed.rotation)
+    mesh, way = placed.mesh, placed.accelerator
+    columns = {
+        film.INDEX: placed.index,
+        film.INDEX_BELOW: placed.index_below,
+        film.OFFSET: placed.offset,
+        film.COSINE: cosine,
+        film.SINE: sine,
+        film.FLIPPED: placed.flipped,
+        film.TILE: shared.tiles.number((id(mesh), way), (mesh, way)),
+    }
+    resin = placed.resin
+    if resin is not None:
+        columns |= {
+            film.SCATTERING: resin.scattering,
+            film.ASYMMETRY: resin.asymmetry,
+            film.PHASE: shared.phase_row(resin.phase),
+            film.PRISM: shared.tiles.number((id(resin.prism), "chain"), (resin.prism, "chain")),
+        }
+    return columns
+
+
+def _bsdf_columns(thin: BsdfSheet, shared: Shared) -> Mapping[int, float]:
+    return {TABLE: shared.bsdf_row(thin.table, thin.blend)}
+
+
+_LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
+    Cavity: (CAVITY, _cavity_columns),
+    Slab: (SLAB, _slab_columns),
+    Sheet: (SHEET, _sheet_columns),
+    Film: (FILM, _film_columns),
+    BsdfSheet: (BSDF, _bsdf_columns),
+}
