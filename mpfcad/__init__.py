@@ -1,8 +1,65 @@
 """mpfcad: from a curvature map to a verified multi-performance film.
 
-The floors, from the bottom: `units` and `errors`; `film` (what the film is); `mask`, `cad` and
-`optics` (what is made of it, and how it is traced); `backlight`; `measure`; `report`; and at the
-top `job`, `pipeline` and `cli`. Imports point down only; tests/test_floors.py holds it.
+>>> import mpfcad
+>>> job = mpfcad.Job({"name": "c60", "map": {"curvature_per_mm": 60.0}})
+>>> job.name
+'c60'
+
+The layers, from the bottom: `units` and `errors`; `film` (what the film is); `mask`, `cad` and
+`optics` (what is made of it, and how it is traced); `backlight`; `measure`; `record` and `report`;
+and at the top `job`, `pipeline`, `cli` and `api`, whose names stand here too. Imports point down
+only; tests/test_floors.py holds it. Nothing heavy is imported before it is used.
 """
 
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpfcad.api import (
+        Design,
+        DesignResult,
+        Export,
+        Figure,
+        Job,
+        Measurement,
+        Run,
+        Sweep,
+        SweepResult,
+        Trace,
+        trace,
+        verify,
+    )
+    from mpfcad.errors import ExportError, GeometryError, InputError, TraceError
+
 __version__ = "0.1.0"
+__all__ = [
+    "Design",
+    "DesignResult",
+    "Export",
+    "ExportError",
+    "Figure",
+    "GeometryError",
+    "InputError",
+    "Job",
+    "Measurement",
+    "Run",
+    "Sweep",
+    "SweepResult",
+    "Trace",
+    "TraceError",
+    "trace",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in __all__:
+        raise AttributeError(f"module 'mpfcad' has no attribute {name!r}")
+    from importlib import import_module
+
+    source = "mpfcad.errors" if name.endswith("Error") else "mpfcad.api"
+    return getattr(import_module(source), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

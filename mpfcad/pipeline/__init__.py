@@ -7,7 +7,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 
 from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
-from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, read_case
+from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, job_case, read_case
 from mpfcad.pipeline.measure.compare import compare_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
@@ -39,6 +39,7 @@ __all__ = [
     "default_out",
     "default_sweep_out",
     "default_what",
+    "job_case",
     "make_cad",
     "make_mask",
     "make_mould",

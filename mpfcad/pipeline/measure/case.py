@@ -11,6 +11,7 @@ from typing import Any
 from mpfcad.backlight import Quantity, Stack, read_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, check_manifest
+from mpfcad.job import Job, read_job
 from mpfcad.measure import Lit, TraceRun, case_hash, light_film
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -73,7 +74,7 @@ def read_case(
     if path.is_dir():
         return _read_export(path, stack, thickness)
     if path.suffix == ".toml" and path.is_file():
-        return _read_job(path, stack, thickness)
+        return job_case(read_job(path), path, stack, thickness)
     if path.is_file():
         placed = read_stack(stack or DEFAULT_STACK, thickness=thickness)
         return Case(path.stem, path.name, light_film(placed, path, offset))
@@ -119,22 +120,31 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
     return Case(record["name"], "film.stl", light_film(placed, folder / "film.stl", offset))
 
 
-def _read_job(path: Path, stack: str | None, thickness: float | None) -> Case:
-    """Return the film of a job, written to a file and read back, without the rest of its export."""
-    from mpfcad.job import read_job
+def job_case(
+    job: Job, job_file: Path, stack: str | None = None, thickness: float | None = None
+) -> Case:
+    """Return the film of a job, written to a file and read back, without the rest of its export.
+
+    `stack` and `thickness` as in `read_case`; file names in the job are taken from beside
+    `job_file`, which need not exist.
+
+    Raises
+    ------
+    InputError
+        when the job or a file it names is wrong.
+    """
     from mpfcad.pipeline.plan.plan import read_plan
     from mpfcad.pipeline.run.make import write_cad
     from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 
-    job = read_job(path)
-    plan = read_plan(job, path)
+    plan = read_plan(job, job_file)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         write_cad(plan, folder, ("stl",), SILENT)
         write_stack_meshes(plan, folder, SILENT)
         own = plan.stack.with_files_in(folder)
         placed = _placed(own, stack, thickness).with_prism(own.prism)
-        return Case(job.name, path.name, light_film(placed, folder / "film.stl", plan.offset))
+        return Case(job.name, job_file.name, light_film(placed, folder / "film.stl", plan.offset))
 
 
 def _placed(own: Stack, stack: str | None, thickness: float | None) -> Stack:
