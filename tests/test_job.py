@@ -96,3 +96,55 @@ def test_given_makes_the_same_job_again():
     given = job.given()
     assert given["film"] == {"base_um": 150.0}
     assert build_job(given, "y") == job
+
+
+@pytest.mark.parametrize(
+    ("film", "size"),
+    [
+        ({"pitch_um": 100.0, "prism_angle_deg": 90.0}, (100, 50, 90)),
+        ({"pitch_um": 100.0, "depth_um": 50.0}, (100, 50, 90)),
+        ({"depth_um": 50.0, "prism_angle_deg": 90.0}, (100, 50, 90)),
+        ({"pitch_um": 24.0, "depth_um": 12.0, "prism_angle_deg": 90.0}, (24, 12, 90)),
+        ({"prism_angle_deg": 60.0}, (50, 25 * 3**0.5, 60)),
+        ({}, (50, 25, 90)),
+    ],
+)
+def test_two_of_pitch_depth_and_angle_give_the_third(film, size):
+    job = build_job({**MINIMAL, "film": film}, "x.toml")
+    table = job.film
+    assert (table.pitch_um, table.depth_um, table.prism_angle_deg) == pytest.approx(size, rel=1e-11)
+    assert (table.groove.pitch, table.groove.depth) == pytest.approx((size[0] / 1e3, size[1] / 1e3))
+    assert table.is_plain
+    # Only what is stated is given on, and it makes the same job again.
+    assert job.given()["film"] == film
+    assert build_job(job.given(), "y").document() == job.document()
+
+
+@pytest.mark.parametrize(
+    ("film", "words"),
+    [
+        (
+            {"pitch_um": 50.0, "depth_um": 25.0, "prism_angle_deg": 89.0},
+            "pitch_um = 50 and depth_um = 25 give prism_angle_deg = 90, found 89: expected two",
+        ),
+        ({"pitch_um": 2000.0, "prism_angle_deg": 20.0}, "depth_um = 5671.28 follows from"),
+        ({"depth_um": 2000.0, "prism_angle_deg": 120.0}, "pitch_um = 6928.2 follows from"),
+    ],
+)
+def test_pitch_depth_and_angle_that_disagree_are_refused(film, words):
+    assert words in refusal(film=film)
+
+
+def test_errors_of_the_tool_keep_the_prism_angle():
+    film = build_job({**MINIMAL, "film": {"pitch_error_um": 1.0}}, "x").film
+    assert film.groove.pitch == 0.05
+    assert film.groove_as_made.pitch == pytest.approx(0.051)
+    assert film.groove_as_made.depth == pytest.approx(0.0255)
+    film = build_job({**MINIMAL, "film": {"prism_angle_error_deg": -30.0}}, "x").film
+    assert film.groove_as_made.depth == pytest.approx(0.025 * 3**0.5)
+
+
+def test_byte_order_mark_is_read(tmp_path):
+    path = tmp_path / "job.toml"
+    path.write_bytes(b'\xef\xbb\xbfname = "a"\n[map]\ncurvature_per_mm = 60\n')
+    assert read_job(path).name == "a"

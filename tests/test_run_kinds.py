@@ -14,7 +14,8 @@ STACK = (
 )
 KINDS = {
     "rounded": (
-        "tip_radius_um = 1.5\nvalley_radius_um = 1.0\nprism_angle_deg = 89.0\npitch_error_um = 0.1",
+        "tip_radius_um = 1.5\nvalley_radius_um = 1.0\nprism_angle_error_deg = -1.0\n"
+        "pitch_error_um = 0.1",
         "filled",
     ),
     "measured": ('measured_file = "trace.csv"', "filled"),
@@ -32,7 +33,8 @@ def job_file(tmp_path, monkeypatch):
     (tmp_path / "small.toml").write_text(STACK)
     x = np.arange(0.0, 0.2, 0.0005)
     local = (x + 0.025) % 0.05 - 0.025
-    table = np.stack([x, 0.012 + 20 * local**2 + 1e-2 * x], axis=1) * 1000
+    surface = np.maximum(0.0075 + 28 * local**2, np.abs(local))
+    table = np.stack([x, surface + 1e-2 * x], axis=1) * 1000
     np.savetxt(tmp_path / "trace.csv", table, "%.6f", ",", header="x_um,z_um", comments="")
 
     x, y = np.linspace(0, 12, 7), np.linspace(0, 10, 401)
@@ -63,6 +65,7 @@ def test_run_and_verify(job_file, tmp_path, kind):
     assert all(gate["outcome"] == "PASS" for gate in record["gates"][1:])
     assert ("mask_mesh_curvature_difference_per_mm" in gates) == (kind != "measured")
     assert (record["mask"] is None) == (kind in ("pyramid", "paraboloid"))
+    assert ("resin_volume_difference" in gates) == (record["mask"] is not None)
     # From the export alone: neither job nor trace is read again.
     (tmp_path / "trace.csv").unlink()
     (tmp_path / "field.npz").unlink()

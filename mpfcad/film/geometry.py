@@ -54,6 +54,11 @@ class PrismFilm:
         return self.groove_count * self.groove.pitch
 
     @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y [mm]."""
+        return self.width, self.length
+
+    @property
     def thickness(self) -> float:
         """Extent from the underside to the tips [mm]."""
         return self.base + self.groove.depth
@@ -74,6 +79,11 @@ class PrismFilm:
         return self.groove.fill_fraction(self.curvature)
 
     @property
+    def resin_height(self) -> NDArray[np.float64]:
+        """Resin of each groove over the area that it takes, its mean height, (n,) float64 [mm]."""
+        return self.fill_fraction * self.groove.depth / 2
+
+    @property
     def fill_volume(self) -> float:
         """Volume of the resin [mm³]."""
         return float(np.sum(self.fill_fraction)) * self.groove.area * self.length
@@ -83,6 +93,11 @@ class PrismFilm:
         """Volume of the prism film under the resin [mm³]."""
         mean = self.groove.prism_mean_height(self.curvature, self.profile)
         return float(np.sum(self.base + mean)) * self.groove.pitch * self.length
+
+    @property
+    def bare_volume(self) -> float:
+        """Volume of the prisms without resin [mm³]; of a `filled` film."""
+        return (self.base + self.groove.depth / 2) * self.width * self.length
 
     @property
     def volume(self) -> float:

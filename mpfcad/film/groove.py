@@ -10,6 +10,7 @@ can only be added. Above C = s/w (40 /mm for the BEF) p dives below the walls be
 point x_c = 2 s/C - w; at C = 2 s/w (80 /mm) a filled groove is empty.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,6 +30,19 @@ class Groove:
 
     pitch: float
     depth: float
+
+    @classmethod
+    def of_angle(cls, pitch: float, prism_angle: float) -> "Groove":
+        """Return the groove of `pitch` [mm] between prisms of `prism_angle` [rad].
+
+        depth = pitch / (2 tan(angle/2)): 25 µm for 50 µm and 90°.
+        """
+        return cls(pitch, pitch / 2 / math.tan(prism_angle / 2))
+
+    @property
+    def prism_angle(self) -> float:
+        """Angle between the two walls of a prism, 2 atan(w / depth) [rad] (90° for the BEF)."""
+        return 2 * math.atan2(self.half_width, self.depth)
 
     @property
     def half_width(self) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.resin import bare_mean_height, curvature_of_resin
 from mpfcad.film.section import Section
 
 
@@ -17,7 +18,8 @@ class MadeFilm:
     Attributes
     ----------
     film
-        pitch and depth as made; C through the tips, were they sharp
+        pitch and depth as made; C through the tips, were they sharp; of a measured surface, the C
+        of a groove with as much resin
     imperfection
         radii, or the measured surface
     """
@@ -25,10 +27,36 @@ class MadeFilm:
     film: PrismFilm
     imperfection: Imperfection
 
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y [mm]."""
+        return self.film.size
+
     def section(self, sliver: float | None = None) -> Section:
         """Return its cross-section, parts narrower than `sliver` [mm] merged."""
         options = {} if sliver is None else {"sliver": sliver}
         return build_section(self.film, self.imperfection, **options)
+
+    def with_resin(self, height: NDArray[np.float64]) -> "MadeFilm":
+        """Return the film whose grooves hold `height` (n,) [mm] of resin over their area.
+
+        An `ideal` film has none and stays as it is.
+
+        Raises
+        ------
+        InputError
+            when a groove cannot hold so much.
+        """
+        if self.film.profile == "ideal":
+            return self
+        curvature = curvature_of_resin(self.film, self.imperfection, height)
+        return replace(self, film=replace(self.film, curvature=curvature))
+
+    @property
+    def bare_volume(self) -> float:
+        """Volume of the prisms without resin [mm³]; of a `filled` film."""
+        mean = bare_mean_height(self.film, self.imperfection)
+        return mean * self.film.width * self.film.length
 
     def cut(self, first: int, count: int, length: float) -> "MadeFilm":
         """Return the piece of `count` grooves from groove `first` on, `length` mm long."""

@@ -14,15 +14,15 @@ from mpfcad.job.model import (
     Positive,
     ProcessTable,
     StackTable,
+    Table,
     TraceTable,
-    _Table,
 )
 from mpfcad.job.reader import read_document, validate
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
 
 
-class GoalTable(_Table):
+class GoalTable(Table):
     """`[goal]`: least contrast, most luminance within a contrast, or a trade of both."""
 
     aim: Literal["contrast", "luminance", "trade"] = "contrast"
@@ -36,7 +36,7 @@ class GoalTable(_Table):
         return self
 
 
-class ConstraintTable(_Table):
+class ConstraintTable(Table):
     """`[constraint]`: what the map may be."""
 
     curvature_min_per_mm: Annotated[Positive, Field(le=10_000)] = 20.0
@@ -47,7 +47,7 @@ class ConstraintTable(_Table):
     registration_mm: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.0
 
 
-class ThicknessTable(_Table):
+class ThicknessTable(Table):
     """`[thickness]`: the least one that serves is searched, in the place of the stack's."""
 
     min_mm: Annotated[Positive, Field(le=1000)]
@@ -67,7 +67,7 @@ class ThicknessTable(_Table):
         return [*inner, self.max_mm]
 
 
-class SearchTable(_Table):
+class SearchTable(Table):
     """`[search]`: the method and what it may trace."""
 
     method: Literal["response", "thesis"] = "response"
@@ -83,7 +83,7 @@ class SearchTable(_Table):
         return self
 
 
-class Design(_Table):
+class Design(Table):
     """A whole design: the tables of a job but its map, and what the map has to do."""
 
     version: Literal[1] = Field(default=1, alias="schema")

@@ -6,29 +6,23 @@ give the inside value (mm, rad).
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from mpfcad.units import from_suffix
+from mpfcad.job.film import FilmTable
+from mpfcad.job.table import Positive, Table
 
 Effort = Literal["quick", "standard", "final"]
 MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Furniture = Literal["fiducial", "text", "coupon"]
+DEFAULT_FORMATS: tuple[MaskFormat, ...] = ("oas", "gds")
+DEFAULT_FURNITURE: tuple[Furniture, ...] = ("fiducial", "text", "coupon")
 _Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rows = Annotated[list[_Row], Field(min_length=2)]
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
 
 
-class _Table(BaseModel):
-    """A table of the job: frozen, strict, no unknown key; `pitch` is `pitch_um` in inside units."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, populate_by_name=True)
-
-    def _inside(self, field: str) -> float:
-        return from_suffix(field, getattr(self, field))
-
-
-class MapTable(_Table):
+class MapTable(Table):
     """`[map]`: one curvature everywhere, or C over the lamp pitch or the panel: a file, or rows.
 
     `rows` are pairs of position_mm and curvature_per_mm, as the lines of a file would be.
@@ -48,84 +42,13 @@ class MapTable(_Table):
         return self
 
 
-class FilmTable(_Table):
-    """`[film]`: profile, dimensions, refractive index (none: the stack's); how it is really made.
-
-    The mask is made for the first four; the last five are how the CAD piece departs from them
-    or, with `cell`, is no row of grooves.
-    """
-
-    profile: Literal["filled", "ideal"] = "filled"
-    pitch_um: Annotated[Positive, Field(le=2000)] = 50.0
-    depth_um: Annotated[Positive, Field(le=2000)] = 25.0
-    base_um: Annotated[Positive, Field(le=5000)] = 200.0
-    refractive_index: Annotated[Positive, Field(gt=1, le=3)] | None = None
-    tip_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
-    valley_radius_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
-    prism_angle_deg: Annotated[Positive, Field(ge=20, le=160)] | None = None
-    pitch_error_um: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
-    measured_file: str | None = None
-    cell: Literal["groove", "pyramid", "paraboloid"] = "groove"
-
-    #: The fields that make a film something else than grooves as designed.
-    UNUSUAL: ClassVar[tuple[str, ...]] = (
-        "tip_radius_um",
-        "valley_radius_um",
-        "prism_angle_deg",
-        "pitch_error_um",
-        "measured_file",
-        "cell",
-    )
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether the film is a row of grooves, made as designed."""
-        fields = type(self).model_fields
-        return all(getattr(self, name) == fields[name].default for name in self.UNUSUAL)
-
-    @property
-    def tip_radius(self) -> float:
-        """Radius of the tips [mm]."""
-        return self._inside("tip_radius_um")
-
-    @property
-    def valley_radius(self) -> float:
-        """Radius of the bare prisms' valleys [mm]."""
-        return self._inside("valley_radius_um")
-
-    @property
-    def prism_angle(self) -> float | None:
-        """Angle between the two walls of a prism as made [rad]; None: what pitch and depth give."""
-        return None if self.prism_angle_deg is None else self._inside("prism_angle_deg")
-
-    @property
-    def pitch_error(self) -> float:
-        """What the pitch as made exceeds the designed one by [mm]."""
-        return self._inside("pitch_error_um")
-
-    @property
-    def pitch(self) -> float:
-        """Groove pitch [mm]."""
-        return self._inside("pitch_um")
-
-    @property
-    def depth(self) -> float:
-        """Groove depth [mm]."""
-        return self._inside("depth_um")
-
-    @property
-    def base(self) -> float:
-        """Thickness below the valleys [mm]."""
-        return self._inside("base_um")
-
-
-class ProcessTable(_Table):
+class ProcessTable(Table):
     """`[process]`: the calibration of the screen printing; none means the built-in one."""
 
     calibration: str | None = None
 
 
-class MeshTable(_Table):
+class MeshTable(Table):
     """`[mask.mesh]`: the screen's mesh, by name or by count and thread, and how it is used."""
 
     name: str | None = None
@@ -170,7 +93,7 @@ class MeshTable(_Table):
 DEFAULT_PERIOD = {"staggered": 50.0, "angled": 50.0, "blue-noise": 50.0, "error-diffused": 50.0}
 
 
-class MaskTable(_Table):
+class MaskTable(Table):
     """`[mask]`: pattern and rules of the screen."""
 
     pattern: Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"] = "slot"
@@ -183,11 +106,11 @@ class MaskTable(_Table):
     pixel_um: Annotated[Positive, Field(le=10_000)] | None = None
     viewing_distance_mm: Annotated[Positive, Field(le=100_000)] = 500.0
     mesh: MeshTable | None = None
-    formats: Annotated[list[MaskFormat], Field(min_length=1)] = ["oas", "gds"]
+    formats: list[MaskFormat] = Field(default_factory=lambda: list(DEFAULT_FORMATS), min_length=1)
     polarity: Literal["open", "closed"] = "open"
     mirror: bool = False
     emulsion_side: Literal["film", "squeegee"] = "film"
-    furniture: list[Literal["fiducial", "text", "coupon"]] = ["fiducial", "text", "coupon"]
+    furniture: list[Furniture] = Field(default_factory=lambda: list(DEFAULT_FURNITURE))
     tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
 
     @model_validator(mode="before")
@@ -249,7 +172,7 @@ class MaskTable(_Table):
         return self._inside("min_web_um")
 
 
-class CadTable(_Table):
+class CadTable(Table):
     """`[cad]`: extent and bodies of the CAD files, the facets' angle, the height map's points."""
 
     extent: Literal["pitch", "panel"] = "pitch"
@@ -281,7 +204,7 @@ class CadTable(_Table):
         return self._inside("angle_tolerance_deg")
 
 
-class StackTable(_Table):
+class StackTable(Table):
     """`[stack]`: the backlight, a preset or a file, its thickness and single values overridden."""
 
     preset: str | None = None
@@ -305,7 +228,7 @@ class StackTable(_Table):
         return None if self.thickness_mm is None else self._inside("thickness_mm")
 
 
-class ResinTable(_Table):
+class ResinTable(Table):
     """`[resin]`: particles in the fill, or what they scatter; none: a clear resin."""
 
     particle_radius_um: Positive | None = None
@@ -332,7 +255,7 @@ class ResinTable(_Table):
         return {f"resin_{key}": value for key, value in values.items()}
 
 
-class GateTable(_Table):
+class GateTable(Table):
     """`[gates]`: the limits of the lamp-Mura contrast."""
 
     contrast_pass: Annotated[Positive, Field(le=1)] = 0.012
@@ -348,13 +271,13 @@ class GateTable(_Table):
         return self
 
 
-class TraceTable(_Table):
+class TraceTable(Table):
     """`[trace]`: how long to trace."""
 
     effort: Effort = "standard"
 
 
-class Job(_Table):
+class Job(Table):
     """A whole job; `name` and `[map]` are all that must be given."""
 
     version: Literal[1] = Field(default=1, alias="schema")

@@ -58,7 +58,8 @@ def read_document(path: Path) -> dict[str, Any]:
         when the file cannot be read or is no TOML (naming the line).
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        # Editors of Windows put a byte order mark before the first line.
+        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:

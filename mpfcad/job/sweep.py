@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.design import ConstraintTable, GoalTable, Name, SearchTable
-from mpfcad.job.model import Positive, _Table
 from mpfcad.job.reader import read_document, validate
+from mpfcad.job.table import Positive, Table
 
 #: Axes besides the fields of a job: fill in the curvature's place, lamps spread evenly over the
 #: panel, and the film's place.
@@ -19,14 +19,14 @@ _TABLES = ("map", "film", "process", "mask", "cad", "stack")
 Value = Annotated[float, Field(allow_inf_nan=False)] | str
 
 
-class SweepTraceTable(_Table):
+class SweepTraceTable(Table):
     """`[trace]`: how long each point is traced."""
 
     half_width: Annotated[float, Field(ge=0, le=1)] = 0.003
     paths_million: Annotated[Positive, Field(le=1000)] = 6.0
 
 
-class SweepDesignTable(_Table):
+class SweepDesignTable(Table):
     """`[design]`: every point's map is searched, as `mpfcad design` does."""
 
     goal: GoalTable = GoalTable()
@@ -34,7 +34,7 @@ class SweepDesignTable(_Table):
     search: SearchTable = SearchTable()
 
 
-class Sweep(_Table):
+class Sweep(Table):
     """A whole sweep: the job of every point, and `[axis]`: a list of values each."""
 
     version: Literal[1] = Field(default=1, alias="schema")

@@ -15,14 +15,14 @@ curvature_per_mm = 60.0         # one curvature everywhere, or a file (relative 
 
 [film]
 profile = "filled"              # resin in a BEF, printable for C <= 80 /mm; "ideal": a mould only
-pitch_um = 50.0
-depth_um = 25.0
+pitch_um = 50.0                 # of pitch_um, depth_um and prism_angle_deg (90) give two:
+depth_um = 25.0                 # the third follows
 base_um = 200.0                 # thickness below the valleys
 # refractive_index = 1.55       # of prism and resin; the stack's when left out
-# How the CAD piece is really made (mpfcad cad, mould; not run): see docs/cad.md
+# How the film is really made, with the resin that the mask gives: see docs/cad.md
 # tip_radius_um = 1.0           # rounded tips, and valleys of the bare prisms
 # valley_radius_um = 1.0
-# prism_angle_deg = 89.5        # of the prisms, instead of what pitch and depth give
+# prism_angle_error_deg = -0.5
 # pitch_error_um = 0.01
 # measured_file = "trace.csv"   # a stylus trace in the parabola's place
 # cell = "pyramid"              # or "paraboloid": cells in both directions instead of grooves

@@ -20,6 +20,7 @@ from mpfcad.record.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outc
 from mpfcad.record.verification import (
     CONTRAST_FORMULA,
     Checks,
+    ResinCheck,
     build_gates,
     build_verification,
     describe_luminance,
@@ -33,6 +34,7 @@ __all__ = [
     "Checks",
     "Gate",
     "Outcome",
+    "ResinCheck",
     "build_gates",
     "build_verification",
     "describe_angular",

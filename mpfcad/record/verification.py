@@ -20,8 +20,34 @@ CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 RATIO_LIMIT = 0.001
 STEP_VOLUME_LIMIT = 1e-9
 CURVATURE_LIMIT = 0.1
+RESIN_LIMIT = 0.001
 LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
+
+
+@dataclass(frozen=True)
+class ResinCheck:
+    """The resin of the piece, by the masks and in the mesh; volumes in mm³.
+
+    Attributes
+    ----------
+    by_mask
+        what each mask file gives, by its name: aperture ratios read back, through the process, over
+        the area of the piece
+    in_mesh
+        volume of film.stl less that of the bare prisms
+    full
+        of grooves filled to their tips
+    """
+
+    by_mask: Mapping[str, float]
+    in_mesh: float
+    full: float
+
+    @property
+    def difference(self) -> float:
+        """Largest difference between a mask and the mesh, as a share of full grooves."""
+        return max(abs(volume - self.in_mesh) for volume in self.by_mask.values()) / self.full
 
 
 @dataclass(frozen=True)
@@ -38,6 +64,8 @@ class Checks:
         film.step against film.stl
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm]; None of a measured surface
+    resin
+        resin by the masks and in the mesh; None without a mask
     is_traced_file
         whether the mesh that was traced is byte for byte the file in the export
     """
@@ -47,6 +75,7 @@ class Checks:
     mesh: MeshCheck
     agreement: Agreement
     curvature_difference: float | None
+    resin: ResinCheck | None
     is_traced_file: bool
 
 
@@ -85,6 +114,7 @@ def build_gates(
         Gate("step_mesh_distance_um", agreement.distance_max / um, agreement.distance_limit / um),
         Gate("step_mesh_volume_difference", agreement.volume_difference, agreement.volume_limit),
         *_curvature_gate(checks.curvature_difference),
+        *_resin_gate(checks.resin),
         Gate("traced_file_is_shipped_file", float(checks.is_traced_file), 1.0, at_least=True),
         Gate("energy_imbalance_sigma", _imbalance(luminance.energy), BALANCE_LIMIT),
         Gate("energy_lost", lost, LOST_LIMIT),
@@ -95,6 +125,12 @@ def _curvature_gate(difference: float | None) -> list[Gate]:
     if difference is None:
         return []
     return [Gate("mask_mesh_curvature_difference_per_mm", difference, CURVATURE_LIMIT)]
+
+
+def _resin_gate(resin: ResinCheck | None) -> list[Gate]:
+    if resin is None:
+        return []
+    return [Gate("resin_volume_difference", resin.difference, RESIN_LIMIT)]
 
 
 def build_verification(
@@ -125,6 +161,7 @@ def build_verification(
         "mesh": describe_mesh(checks.mesh),
         "step_mesh": describe_agreement(checks.agreement),
         "mask_mesh_curvature_difference_per_mm": checks.curvature_difference,
+        "resin": describe_resin(checks.resin),
         "process": process,
         "inputs": inputs,
         "provenance": provenance,
@@ -216,6 +253,18 @@ def describe_agreement(agreement: Agreement) -> dict[str, Any]:
     return {
         "distance_um_max": float(agreement.distance_max / um),
         "volume_difference": float(agreement.volume_difference),
+    }
+
+
+def describe_resin(resin: ResinCheck | None) -> dict[str, Any] | None:
+    """Return the resin of the piece in outside names; None without a mask."""
+    if resin is None:
+        return None
+    return {
+        "by_mask_mm3": {name: float(volume) for name, volume in resin.by_mask.items()},
+        "in_mesh_mm3": float(resin.in_mesh),
+        "full_grooves_mm3": float(resin.full),
+        "difference": float(resin.difference),
     }
 
 

@@ -77,19 +77,33 @@ def test_imperfect_film(job, tmp_path, capsys):
 def test_measured_film(job, tmp_path, capsys):
     x = np.arange(0, 0.26, 2e-4)
     local = (x + 0.007) % BEF.pitch - BEF.half_width
-    # A meniscus that is no parabola.
-    z = 0.012 + 20 * local**2 + 1e4 * local**4
+    # A meniscus that is no parabola, over walls without resin near the tips.
+    resin = 0.008 + 18 * local**2 + 1e4 * local**4
+    z = np.maximum(resin, np.abs(local))
+    x_full = np.linspace(0, BEF.half_width, 20001)
+    over = np.maximum(0.008 + 18 * x_full**2 + 1e4 * x_full**4 - x_full, 0)
+    fill = float(np.trapezoid(over, x_full)) / (BEF.area / 2)
     table = np.stack([x, z - 0.01 * x], axis=1) * 1000
     np.savetxt("trace.csv", table, "%.6f", ",", header="x_um,z_um", comments="")
-    path = job('measured_file = "trace.csv"')
-    assert run_app(["cad", str(path), "--out", "c"]) == 0
-    mesh = read_film_mesh(tmp_path / "c" / "film.stl")
-    top = mesh.vertex[np.unique(mesh.top)]
-    groove = top[(top[:, 1] == 0) & (top[:, 0] < 0.05 - 1e-6)]
-    drawn = np.interp(np.linspace(0.001, 0.049, 97), groove[:, 0], groove[:, 2])
-    at = np.linspace(-0.024, 0.024, 97)
-    # A chord over h = 1 µm sags by z'' h²/8.
-    assert np.ptp(drawn - 20 * at**2 - 1e4 * at**4) < 3e-5
+    for share in (1.0, 1.25):
+        # The shape is the trace's, the resin what the map and so the mask wants.
+        wanted = float(BEF.curvature_of_fill(fill * share))
+        path = job('measured_file = "trace.csv"', wanted)
+        assert run_app(["cad", str(path), "--out", "c"]) == 0
+        mesh = read_film_mesh(tmp_path / "c" / "film.stl")
+        top = mesh.vertex[np.unique(mesh.top)]
+        groove = top[(top[:, 1] == 0) & (top[:, 0] < 0.05 + 1e-6)]
+        groove = groove[np.argsort(groove[:, 0])]
+        at = np.linspace(-0.024, 0.024, 97)
+        drawn = np.interp(at + 0.025, groove[:, 0], groove[:, 2]) - 0.2
+        meniscus = np.maximum(0.008 + 18 * at**2 + 1e4 * at**4 - np.abs(at), 0) * share
+        # A chord over h = 1 µm sags by z'' h²/8, and a kink lies up to half of it off its place.
+        assert np.abs(drawn - np.abs(at) - meniscus).max() < 1.5e-4
+        held = np.trapezoid(groove[:, 2], groove[:, 0]) / 0.05 - 0.2 - 0.0125
+        assert held == pytest.approx(fill * share * 0.0125, rel=2e-3)
+    path = job('measured_file = "trace.csv"', float(BEF.curvature_of_fill(fill * 0.4)))
+    assert run_app(["cad", str(path), "--out", "d"]) == 2
+    assert "expected a trace of a groove with 0.5 to 2 times" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -101,6 +115,13 @@ def test_measured_film(job, tmp_path, capsys):
         ("cad", "valley_radius_um = 20", [], "valley_radius: 20 µm: larger than the groove"),
         ("cad", "tip_radius_um = -1", [], "film.tip_radius_um: -1"),
         ("cad", "pitch_error_um = -60", [], "film.pitch_error_um: -60: must be above -50"),
+        ("cad", "prism_angle_error_deg = 80", [], "film.prism_angle_error_deg: 80: expected"),
+        (
+            "cad",
+            'measured_file = "none.csv"\nprism_angle_error_deg = 1',
+            [],
+            "none.csv: no such file",
+        ),
         ("cad", 'measured_file = "none.csv"', [], "none.csv: no such file"),
         ("run", "tip_radius_um = 60", [], "tip_radius: 60 µm: larger than groove 0 allows"),
     ],

@@ -117,7 +117,7 @@ REFUSALS = {
     "not a number": (change(2, f"{2 * GOOD},abc"), ["row 4", "curvature_per_mm 'abc'"]),
     "python number": (change(2, f"{2 * GOOD},5_0"), ["row 4", "'5_0'"]),
     "empty field": (change(2, f"{2 * GOOD},"), ["row 4", "''"]),
-    "too many fields": (change(2, "1,2,3"), ["row 4", "3 fields", "allowed 2"]),
+    "too many fields": (change(2, "1,2,3"), ["row 4", "3 fields", "expected 2"]),
     "nan": (change(3, f"{3 * GOOD},nan"), ["row 5", "curvature_per_mm nan", "finite"]),
     "inf": (change(3, f"{3 * GOOD},inf"), ["row 5", "inf", "0 … 80"]),
     "nan position": (change(3, "nan,50"), ["row 5", "position_mm nan"]),
@@ -142,7 +142,7 @@ def one_line(error, path, words):
     text = str(error.value)
     assert "\n" not in text
     assert text.startswith(f"{path}: ")
-    assert "allowed" in text
+    assert "expected" in text
     for word in words:
         assert word in text
 
@@ -196,7 +196,7 @@ def test_line_number_counts_blank_lines(tmp_path, half):
 def test_repeated_map_must_meet_itself(tmp_path):
     position = np.linspace(0, PITCH, 67)
     path = write(tmp_path / "m.csv", rows_of(position, np.linspace(50, 60, 67)))
-    with pytest.raises(InputError, match=r"row 68: .* 60: the map repeats.*allowed 50 ± 0.5"):
+    with pytest.raises(InputError, match=r"row 68: .* 60: the map repeats.*expected 50 ± 0.5"):
         read(path, repeat="repeat")
 
 

@@ -77,15 +77,15 @@ def test_a_map_across_is_no_field(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"c": C.T}, "shape (3, 4): allowed (4, 3), along by across"),
-        ({"x": X[::-1]}, "position_across_mm[1] (counted from 0): 1: allowed finite and incr"),
-        ({"y": Y / 2}, "array position_along_mm: 0 … 5: allowed to cover 0 … 10 mm"),
+        ({"c": C.T}, "shape (3, 4): expected (4, 3), along by across"),
+        ({"x": X[::-1]}, "position_across_mm[1] (counted from 0): 1: expected finite and incr"),
+        ({"y": Y / 2}, "array position_along_mm: 0 … 5: expected to cover 0 … 10 mm"),
         ({"c": C + 25}, "curvature_per_mm[0, 1] (counted from 0): 85: not printable"),
         ({"c": C / 1000}, "looks like 1/µm"),
         ({"c": np.where(C == 61, np.nan, C)}, "curvature_per_mm[1, 1] (counted from 0): nan"),
         ({"x": None}, "array position_across_mm missing"),
-        ({"x": X[None]}, "shape (1, 3): allowed numbers in 1 dimension"),
-        ({"x": X[:1], "c": C[:, :1]}, "1 values: allowed 2 or more"),
+        ({"x": X[None]}, "shape (1, 3): expected numbers in 1 dimension"),
+        ({"x": X[:1], "c": C[:, :1]}, "1 values: expected 2 or more"),
     ],
 )
 def test_what_is_refused(tmp_path, change, words):

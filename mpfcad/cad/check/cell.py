@@ -29,7 +29,7 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
         facet normals (by more than `angle_tolerance` [rad] and what float32 forces).
     """
     path = Path(path)
-    facet, count, error = read_film_top(path, film, VOLUME_TOLERANCE)
+    facet, count, volume = read_film_top(path, film, VOLUME_TOLERANCE)
     area = facet_area(facet)
     step = float(np.spacing(np.float32(max(film.size))))
     steepest = film.groove.wall_slope + film.curvature * film.groove.half_width
@@ -42,7 +42,8 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
     refuse_above(path, "normal error [rad]", float(angle[worst]), float(allowed[worst]))
     return MeshCheck(
         True,
-        error,
+        volume,
+        volume / film.volume - 1,
         VOLUME_TOLERANCE,
         float(np.sqrt(np.mean(angle**2))),
         None,

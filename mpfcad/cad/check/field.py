@@ -34,7 +34,7 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
         [rad] and what float32 forces).
     """
     path = Path(path)
-    facet, count, error = read_film_top(path, film, VOLUME_TOLERANCE)
+    facet, count, volume = read_film_top(path, film, VOLUME_TOLERANCE)
     step = float(np.spacing(np.float32(film.size[0])))
     blocks = range(0, len(facet), BLOCK)
     found = [_examine(film, facet[k : k + BLOCK], angle_tolerance, step) for k in blocks]
@@ -44,7 +44,8 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
     refuse_above(path, "normal error [rad]", worst.angle, worst.allowed)
     return MeshCheck(
         True,
-        error,
+        volume,
+        volume / film.volume - 1,
         VOLUME_TOLERANCE,
         float(np.sqrt(sum(part.squares for part in found) / len(facet))),
         None,

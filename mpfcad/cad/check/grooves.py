@@ -66,6 +66,7 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     volume_error = float(volume_error)
     return MeshCheck(
         True,
+        volume,
         volume_error,
         VOLUME_TOLERANCE,
         rms,

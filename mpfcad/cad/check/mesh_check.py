@@ -18,6 +18,8 @@ class MeshCheck:
     ----------
     watertight
         every edge is shared by exactly two facets of opposite sense, and they bound one body
+    volume
+        enclosed [mm³]
     volume_error, volume_limit
         relative error of the enclosed volume, and what it may be
     normal_error_rms
@@ -47,6 +49,7 @@ class MeshCheck:
     """
 
     watertight: bool
+    volume: float
     volume_error: float
     volume_limit: float
     normal_error_rms: float
@@ -153,7 +156,7 @@ def select_top(corner: NDArray[np.float64]) -> NDArray[np.float64]:
 def read_film_top(
     path: Path, film: CellFilm | FieldPiece, volume_tolerance: float
 ) -> tuple[NDArray[np.float64], int, float]:
-    """Return the facets of a film's top, (s, 3, 3) float64 [mm], of how many, and the volume error.
+    """Return the facets of a film's top, (s, 3, 3) float64 [mm], of how many, and the volume [mm³].
 
     Raises
     ------
@@ -161,10 +164,10 @@ def read_film_top(
         when the file is not one closed body facing outward, or is off in volume or extent.
     """
     corner, normal = read_facets(path)
-    error = check_closed(path, corner, normal) / film.volume - 1
-    refuse_above(path, "relative volume error", abs(error), volume_tolerance)
+    volume = check_closed(path, corner, normal)
+    refuse_above(path, "relative volume error", abs(volume / film.volume - 1), volume_tolerance)
     check_extent(path, corner, (0, 0, 0), (*film.size, film.thickness))
-    return select_top(corner), len(corner), float(error)
+    return select_top(corner), len(corner), volume
 
 
 def facet_area(facet: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -37,7 +37,8 @@ def check_section_stl(
     """
     path = Path(path)
     corner, normal = read_facets(path)
-    error = check_closed(path, corner, normal) / section.volume - 1
+    volume = check_closed(path, corner, normal)
+    error = volume / section.volume - 1
     refuse_above(path, "relative volume error", abs(error), VOLUME_TOLERANCE)
     # How high chords reach in a convex arc is a matter of their number: heights are checked below.
     top = float(corner[..., 2].max())
@@ -66,6 +67,7 @@ def check_section_stl(
     refuse_above(path, "height error [mm]", height, limit)
     return MeshCheck(
         True,
+        volume,
         float(error),
         VOLUME_TOLERANCE,
         float(np.sqrt(np.mean(at_middle**2))),

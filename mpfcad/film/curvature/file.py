@@ -33,10 +33,10 @@ def read_curvature_table(path: Path) -> CurvatureTable:
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path}: no such file: allowed a curvature map (.csv or .npz)")
+        raise InputError(f"{path}: no such file: expected a curvature map (.csv or .npz)")
     readers = {".csv": _read_csv, ".npz": _read_npz}
     if path.suffix.lower() not in readers:
-        raise InputError(f"{path}: suffix {path.suffix!r}: allowed .csv or .npz")
+        raise InputError(f"{path}: suffix {path.suffix!r}: expected .csv or .npz")
     return readers[path.suffix.lower()](path)
 
 
@@ -52,7 +52,7 @@ def _read_npz(path: Path) -> CurvatureTable:
             for name in COLUMNS:
                 if name not in arrays:
                     there = ", ".join(arrays.files)
-                    raise InputError(f"{path}: array {name} missing among {there}: allowed both")
+                    raise InputError(f"{path}: array {name} missing among {there}: expected both")
                 columns.append(np.array(arrays[name]))
     except (OSError, ValueError, zipfile.BadZipFile):
         raise InputError(f"{path}: not an NPZ file of plain number arrays") from None
@@ -60,12 +60,12 @@ def _read_npz(path: Path) -> CurvatureTable:
         if values.ndim != 1 or values.dtype.kind not in "iuf":
             raise InputError(
                 f"{path}: array {name}: {values.dtype} of shape {values.shape}: "
-                f"allowed one row of numbers"
+                f"expected one row of numbers"
             )
     position, curvature = (values.astype(float) for values in columns)
     if len(position) != len(curvature):
         raise InputError(
-            f"{path}: array {COLUMNS[1]}: {len(curvature)} values: allowed {len(position)}, "
+            f"{path}: array {COLUMNS[1]}: {len(curvature)} values: expected {len(position)}, "
             f"as many as {COLUMNS[0]}"
         )
     return CurvatureTable(str(path), position, curvature, lambda i: f"entry {i} (counted from 0)")

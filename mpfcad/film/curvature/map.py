@@ -78,35 +78,50 @@ class CurvatureMap:
         return np.interp(x, self.position, self.curvature)
 
 
+#: How far, as a share of it, a limit may be passed by rounding alone.
+ROUNDING = 1e-12
+#: Curvatures of which the largest is this share of the bare groove's or less were given in 1/µm;
+#: a mould may be curved more than a print.
+MICROMETRE_SHARE = {"filled": 1e-3, "ideal": 5e-3}
+
+
 def curvature_range(groove: Groove, profile: Profile) -> str:
-    """Return the allowed curvatures of a profile as text for a message."""
+    """Return the expected curvatures of a profile as text for a message."""
     if profile == "ideal":
         return "0 or more"
-    return f"0 … {groove.curvature_empty:g}"
+    return f"0 … {groove.curvature_empty:.12g}"
+
+
+def digits_apart(value: float, limit: float) -> str:
+    """Return a value with digits enough to tell it from a limit that is shown with twelve."""
+    text = f"{value:.12g}"
+    return repr(float(value)) if text == f"{limit:.12g}" else text
 
 
 def find_bad_curvature(
     curvature: NDArray[np.float64], groove: Groove, profile: Profile
 ) -> tuple[int, str] | None:
     """Return the index of a curvature [1/mm] that is refused and why, or None."""
-    allowed = curvature_range(groove, profile)
+    expected = f"expected {curvature_range(groove, profile)}"
     bad = np.flatnonzero(~np.isfinite(curvature))
     if bad.size:
-        return int(bad[0]), f"{curvature[bad[0]]:g}: allowed a finite number, {allowed}"
+        return int(bad[0]), f"{curvature[bad[0]]:g}: expected a finite number, {expected[9:]}"
     bad = np.flatnonzero(curvature < 0)
     if bad.size:
-        return int(bad[0]), f"{curvature[bad[0]]:g}: negative: allowed {allowed}"
+        return int(bad[0]), f"{curvature[bad[0]]:.12g}: negative: {expected}"
     top = int(np.argmax(curvature))
-    if 0 < curvature[top] <= 1:
+    limit = groove.curvature_empty * MICROMETRE_SHARE[profile]
+    if 0 < curvature[top] <= limit:
         return top, (
             f"{curvature[top]:g}: the largest value looks like 1/µm; multiply by 1000: "
-            f"allowed {allowed} /mm, not all of 1 or less"
+            f"{expected} /mm, not all of {limit:g} or less"
         )
-    bad = np.flatnonzero(curvature > groove.curvature_empty)
+    bad = np.flatnonzero(curvature > groove.curvature_empty * (1 + ROUNDING))
     if profile == "filled" and bad.size:
+        shown = digits_apart(float(curvature[bad[0]]), groove.curvature_empty)
         return int(bad[0]), (
-            f"{curvature[bad[0]]:g}: not printable: allowed {allowed} for a filled film (at "
-            f"{groove.curvature_empty:g} /mm the groove is empty and resin can only be added; "
+            f"{shown}: not printable: {expected} for a filled film (at "
+            f"{groove.curvature_empty:.12g} /mm the groove is empty and resin can only be added; "
             f"profile 'ideal' is for moulds)"
         )
     return None

@@ -63,7 +63,7 @@ def build_curvature_map(
         one line with file, row, value and what was expected.
     """
     if not len(table.position):
-        raise InputError(f"{table.where}: no rows: allowed 2 or more")
+        raise InputError(f"{table.where}: no rows: expected 2 or more")
     end = panel_width
     if extent == "pitch":
         end = lamp_pitch / 2 if repeat == "mirror" else lamp_pitch
@@ -82,7 +82,7 @@ def _check_order(table: CurvatureTable) -> None:
     x = table.position
     bad = np.flatnonzero(~np.isfinite(x))
     if bad.size:
-        raise table.refuse(int(bad[0]), f"position_mm {x[bad[0]]:g}: allowed a finite number")
+        raise table.refuse(int(bad[0]), f"position_mm {x[bad[0]]:g}: expected a finite number")
     bad = np.flatnonzero(np.diff(x) <= 0)
     if bad.size:
         i = int(bad[0]) + 1
@@ -90,22 +90,22 @@ def _check_order(table: CurvatureTable) -> None:
         raise table.refuse(
             i,
             f"position_mm {x[i]:.10g}: {what} {table.row_name(i - 1)}: "
-            f"allowed more than {x[i - 1]:.10g}",
+            f"expected more than {x[i - 1]:.10g}",
         )
 
 
 def _check_cover(table: CurvatureTable, end: float, tolerance: float, what: str) -> None:
     """Refuse positions outside 0 … end, ends that are not reached, and gaps between rows [mm]."""
     x, tolerance = table.position, tolerance * (1 + 1e-9)
-    allowed = f"allowed 0 … {end:.10g} mm ({what})"
+    expected = f"expected 0 … {end:.10g} mm ({what})"
     for i in (0, len(x) - 1):
         if not -tolerance <= x[i] <= end + tolerance:
-            raise table.refuse(i, f"position_mm {x[i]:.10g}: outside: {allowed}")
+            raise table.refuse(i, f"position_mm {x[i]:.10g}: outside: {expected}")
     if x[0] > tolerance:
-        raise table.refuse(0, f"position_mm {x[0]:.10g}: gap: the map starts late: {allowed}")
+        raise table.refuse(0, f"position_mm {x[0]:.10g}: gap: the map starts late: {expected}")
     if x[-1] < end - tolerance:
         raise table.refuse(
-            len(x) - 1, f"position_mm {x[-1]:.10g}: gap: the map ends early: {allowed}"
+            len(x) - 1, f"position_mm {x[-1]:.10g}: gap: the map ends early: {expected}"
         )
     step = np.diff(x)
     if not step.size:
@@ -116,7 +116,7 @@ def _check_cover(table: CurvatureTable, end: float, tolerance: float, what: str)
         raise table.refuse(
             i + 1,
             f"position_mm {x[i + 1]:.10g}: gap of {step[i]:g} mm after {table.row_name(i)}: "
-            f"allowed steps up to {limit:g} mm",
+            f"expected steps up to {limit:g} mm",
         )
 
 
@@ -127,5 +127,5 @@ def _check_seam(table: CurvatureTable) -> None:
         raise table.refuse(
             len(table.curvature) - 1,
             f"curvature_per_mm {last:g}: the map repeats, so its end is its start: "
-            f"allowed {first:g} ± {SEAM_JUMP:g} as in {table.row_name(0)}",
+            f"expected {first:g} ± {SEAM_JUMP:g} as in {table.row_name(0)}",
         )

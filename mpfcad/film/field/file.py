@@ -35,7 +35,7 @@ def read_curvature_field(
     Raises
     ------
     InputError
-        one line with file, array, entry, value and allowed range.
+        one line with file, array, entry, value and expected range.
     """
     path = Path(path)
     try:
@@ -43,7 +43,9 @@ def read_curvature_field(
             missing = [name for name in FIELD_ARRAYS if name not in arrays]
             if missing:
                 there = ", ".join(arrays.files)
-                raise InputError(f"{path}: array {missing[0]} missing among {there}: allowed all 3")
+                raise InputError(
+                    f"{path}: array {missing[0]} missing among {there}: expected all 3"
+                )
             across, along, curvature = (np.array(arrays[name]) for name in FIELD_ARRAYS)
     except (OSError, ValueError, zipfile.BadZipFile):
         raise InputError(f"{path}: not an NPZ file of plain number arrays") from None
@@ -53,11 +55,11 @@ def read_curvature_field(
         if values.ndim != dimension or values.dtype.kind not in "iuf":
             raise InputError(
                 f"{path}: array {name}: {values.dtype} of shape {values.shape}: "
-                f"allowed numbers in {dimension} dimension{'s' * (dimension > 1)}"
+                f"expected numbers in {dimension} dimension{'s' * (dimension > 1)}"
             )
     if curvature.shape != (len(along), len(across)):
         raise InputError(
-            f"{path}: array {FIELD_ARRAYS[2]}: shape {curvature.shape}: allowed "
+            f"{path}: array {FIELD_ARRAYS[2]}: shape {curvature.shape}: expected "
             f"{(len(along), len(across))}, along by across"
         )
     _check_position(path, FIELD_ARRAYS[0], across, panel_width, groove.pitch)
@@ -81,14 +83,14 @@ def write_curvature_field(path: Path, field: CurvatureField) -> None:
 def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: float) -> None:
     """Refuse positions that do not increase or do not cover 0 … end [mm]."""
     if len(x) < 2:
-        raise InputError(f"{path}: array {name}: {len(x)} values: allowed 2 or more")
+        raise InputError(f"{path}: array {name}: {len(x)} values: expected 2 or more")
     bad = np.flatnonzero(~np.isfinite(x) | (np.diff(x, prepend=-np.inf) <= 0))
     if bad.size:
         raise InputError(
             f"{path}: {name}[{bad[0]}] (counted from 0): {x[bad[0]]:g}: "
-            f"allowed finite and increasing"
+            f"expected finite and increasing"
         )
     if x[0] > tolerance or x[-1] < end - tolerance * (1 + 1e-9):
         raise InputError(
-            f"{path}: array {name}: {x[0]:g} … {x[-1]:g}: allowed to cover 0 … {end:.10g} mm"
+            f"{path}: array {name}: {x[0]:g} … {x[-1]:g}: expected to cover 0 … {end:.10g} mm"
         )

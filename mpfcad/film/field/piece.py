@@ -109,6 +109,12 @@ class FieldPiece:
             total += float(np.sum(weight @ (span * self.groove.mean_height(node, self.profile))))
         return (total + self.base * self.size[1] * self.groove_count) * self.groove.pitch
 
+    @property
+    def bare_volume(self) -> float:
+        """Volume of the prisms without resin [mm³]; of a `filled` film."""
+        width, length = self.size
+        return (self.base + self.groove.depth / 2) * width * length
+
     def split(self, row: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return y [mm] and C [1/mm] of one groove where it bends, or its walls begin to show.
 

@@ -22,7 +22,6 @@ from mpfcad.design import (
     search_by_response,
 )
 from mpfcad.export import canonical_json, write_text
-from mpfcad.film import Groove
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
@@ -49,7 +48,7 @@ class DesignWork:
         self.design, self.file, self.threads, self.progress = design, file, threads, progress
         job = build_job(design.job_document("map.csv"), str(file))
         self.stack = read_job_stack(job, file)
-        self.groove = Groove(design.film.pitch, design.film.depth)
+        self.groove = design.film.groove
         calibration = design.process.calibration
         self.process = read_job_process(
             job, None if calibration is None else file.parent / calibration, self.groove, str(file)

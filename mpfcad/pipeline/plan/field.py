@@ -11,7 +11,6 @@ from mpfcad.errors import InputError
 from mpfcad.film import (
     FieldFilm,
     FieldPiece,
-    Groove,
     PrismFilm,
     cut_piece,
     is_field_file,
@@ -43,7 +42,7 @@ def read_field_film(job: Job, file: Path, where: str, groove_count: int, stack: 
             f"{where}: map.extent: {job.map.extent}: must be 'panel' for a map that varies "
             f"along the grooves too"
         )
-    groove = Groove(job.film.pitch, job.film.depth)
+    groove = job.film.groove
     field = read_curvature_field(
         file,
         profile=job.film.profile,

@@ -1,6 +1,5 @@
 """The CAD piece as a job says it is made: as designed, imperfect or measured, or of cells."""
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,6 @@ from mpfcad.errors import InputError
 from mpfcad.film import (
     CellFilm,
     FieldPiece,
-    Groove,
     Imperfection,
     MadeFilm,
     PrismFilm,
@@ -35,7 +33,7 @@ def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:
     table = job.film
     if table.measured_file is None:
         return None
-    groove = Groove(table.pitch, table.depth)
+    groove = table.groove
     trace = read_stylus_trace(job_file.parent / table.measured_file, groove)
     return average_groove(trace, groove, table.profile)
 
@@ -62,20 +60,23 @@ def draw_piece(
 def _draw_made(
     job: Job, piece: PrismFilm, measured: NDArray[np.float64] | None, where: str
 ) -> MadeFilm:
+    """Return the piece as made, with the resin that the mask gives it."""
     table = job.film
-    pitch = piece.groove.pitch + table.pitch_error
-    if pitch <= 0:
-        raise InputError(
-            f"{where}: film.pitch_error_um: {table.pitch_error_um:g}: must be above "
-            f"{-table.pitch_um:g}"
-        )
-    depth = piece.groove.depth
-    if table.prism_angle is not None:
-        depth = pitch / 2 / math.tan(table.prism_angle / 2)
+    try:
+        groove = table.groove_as_made
+    except ValueError as error:
+        raise InputError(f"{where}: film.{error}") from None
     if measured is not None:
-        measured = measured * (pitch / piece.groove.pitch, 1.0)
-    film = replace(piece, groove=Groove(pitch, depth))
-    return MadeFilm(film, Imperfection(table.tip_radius, table.valley_radius, measured))
+        if table.prism_angle_error_deg:
+            raise InputError(
+                f"{where}: film.prism_angle_error_deg: {table.prism_angle_error_deg:g}: expected 0 "
+                f"with measured_file: a measured surface has its own walls"
+            )
+        # The tool keeps its angle: grooves of another pitch are similar ones.
+        measured = measured * (groove.pitch / piece.groove.pitch)
+    imperfection = Imperfection(table.tip_radius, table.valley_radius, measured)
+    made = MadeFilm(replace(piece, groove=groove), imperfection)
+    return made.with_resin(piece.resin_height)
 
 
 def _draw_cells(job: Job, piece: PrismFilm, where: str) -> CellFilm:

@@ -153,7 +153,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
     stack = read_job_stack(job, job_file)
     _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration)
-    groove = Groove(job.film.pitch, job.film.depth)
+    groove = job.film.groove
     process = read_job_process(job, calibration, groove, str(job_file))
     count = groove_count(stack.panel_width, groove.pitch)
     curvature: FieldFilm | NDArray[np.float64]
@@ -166,7 +166,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
             stack.period.across,
             stack.origin[0],
         )
-        curvature = _as_written(curvature)
+        curvature = _as_written(curvature, groove)
     text = calibration.read_text("utf-8") if calibration else None
     plan = _build_plan(job, stack, process, curvature, read_measured(job, job_file), str(job_file))
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
@@ -202,7 +202,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     job = build_job(document["given"], str(folder / "verification.json"))
     if job.document() != document["resolved"]:
         raise ExportError(f"{folder}: job: its defaults differ in this version of mpfcad")
-    groove = Groove(job.film.pitch, job.film.depth)
+    groove = job.film.groove
     text = document["calibration"]
     with tempfile.TemporaryDirectory() as temporary:
         file = None
@@ -273,7 +273,7 @@ def _build_plan(
         piece = panel.cut(first, window.groove_count, window.size[1])
         return Plan(job, process, stack, panel, piece, window, first, curvature)
     panel = PrismFilm(
-        groove=Groove(job.film.pitch, job.film.depth),
+        groove=job.film.groove,
         base=job.film.base,
         length=stack.panel_length,
         profile=job.film.profile,
@@ -284,9 +284,12 @@ def _build_plan(
     return Plan(job, process, stack, panel, piece, drawn, first, measured=measured)
 
 
-def _as_written(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+def _as_written(curvature: NDArray[np.float64], groove: Groove) -> NDArray[np.float64]:
     """Return the curvatures as curvature.csv holds them, so that it alone defines the film."""
-    return np.array([float(f"{value:.9g}") for value in curvature])
+    # Nine digits may lie above the empty groove's curvature where all digits do not.
+    written = np.array([float(f"{value:.9g}") for value in curvature])
+    over = (written > groove.curvature_empty) & (curvature <= groove.curvature_empty * (1 + 1e-12))
+    return np.where(over, [float(f"{value * (1 - 5e-10):.9g}") for value in curvature], written)
 
 
 def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm]:

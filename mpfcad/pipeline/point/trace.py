@@ -12,7 +12,8 @@ from mpfcad.backlight import Quantity
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Groove
-from mpfcad.job import build_job
+from mpfcad.job import FilmTable, build_job
+from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
@@ -105,8 +106,7 @@ def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
         if name is not None:
             document[table][key] = str((file.parent / name).resolve())
     if FILL_AXIS in coordinate:
-        film = document.get("film", {})
-        groove = Groove(film.get("pitch_um", 50.0) / 1000, film.get("depth_um", 25.0) / 1000)
+        groove = validate(FilmTable, document.get("film", {}), f"{file}: film").groove
         fill = coordinate[FILL_AXIS]
         if not 0 <= fill < 1:
             raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: must be 0 up to below 1")

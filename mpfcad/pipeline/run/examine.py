@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight import read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
-from mpfcad.film import FieldPiece, Groove, PrismFilm
+from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.measure import (
     Lit,
@@ -23,10 +23,12 @@ from mpfcad.measure import (
     luminance_over_pitch,
 )
 from mpfcad.pipeline.effort import TraceSetting, available_threads
+from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.resume import open_checkpoints
 from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
+from mpfcad.record import ResinCheck
 
 #: The stack that every result is compared with: the thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
@@ -49,6 +51,8 @@ class Findings:
         without mask the map's C stands in for the mask's; where curvatures vary along the grooves,
         that of their means in the mask from the map's, plus that of the facets from the map's;
         None of a measured surface
+    resin
+        resin by the masks and in film.stl; None without a mask
     traced_sha256
         hash of the mesh file as it was traced
     wanted_ratio
@@ -63,6 +67,7 @@ class Findings:
     mesh: MeshCheck
     agreement: Agreement
     curvature_difference: float | None
+    resin: ResinCheck | None
     traced_sha256: str
     wanted_ratio: NDArray[np.float64] | None
     luminance: LuminanceResult
@@ -92,6 +97,7 @@ def examine(
     step, mesh = cad["step"], cad["stl"]
     wanted = None if mask is None else mask.wanted_ratio
     difference = _curvature_difference(plan, masks, mesh, wanted)
+    resin = _check_resin(plan, masks, mesh, wanted)
     before = sha256(folder / "film.stl")
     with open_checkpoints(progress) as checkpoints:
         run = TraceRun(
@@ -104,7 +110,9 @@ def examine(
         progress.stage("tracing the conventional stack")
         lit = light_baseline(plan.job.cad.angle_tolerance)
         baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-    return Findings(masks, step, mesh, agreement, difference, before, wanted, luminance, baseline)
+    return Findings(
+        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, baseline
+    )
 
 
 def _curvature_difference(
@@ -129,8 +137,44 @@ def _curvature_difference(
     if plan.process is None:
         expected = [plan.panel.curvature[piece]]
     else:
-        expected = [plan.process.curvature(check.aperture_ratio[piece]) for check in masks.values()]
+        expected = [
+            _curvature_as_drawn(plan.drawn, plan.process, check.aperture_ratio[piece])
+            for check in masks.values()
+        ]
     return max(float(np.max(np.abs(values - mesh.curvature))) for values in expected)
+
+
+def _curvature_as_drawn(
+    drawn: Drawn, process: Process, ratio: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return C [1/mm] of the piece's grooves by their aperture ratios, as designed or as made."""
+    if isinstance(drawn, MadeFilm):
+        height = process.fill_fraction(ratio) * process.groove.depth / 2
+        return drawn.with_resin(height).film.curvature
+    return process.curvature(ratio)
+
+
+def _check_resin(
+    plan: Plan,
+    masks: dict[str, MaskCheck],
+    mesh: MeshCheck,
+    wanted_ratio: NDArray[np.float64] | None,
+) -> ResinCheck | None:
+    """Return the resin that the masks give the piece, and that of the mesh."""
+    drawn, process = plan.drawn, plan.process
+    if process is None or wanted_ratio is None or isinstance(drawn, CellFilm):
+        return None
+    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
+    width, length = drawn.size
+    full = width * length * process.groove.depth / 2
+    fill = {n: process.fill_fraction(check.aperture_ratio)[piece] for n, check in masks.items()}
+    by_mask = {name: full * float(np.mean(values)) for name, values in fill.items()}
+    if isinstance(drawn, FieldPiece):
+        # A mask tells the mean of whole grooves: it and the piece are compared with the map.
+        by_map = drawn.volume - drawn.bare_volume
+        whole = full * float(np.mean(process.fill_fraction(wanted_ratio)[piece]))
+        by_mask = {name: by_map + volume - whole for name, volume in by_mask.items()}
+    return ResinCheck(by_mask, mesh.volume - drawn.bare_volume, full)
 
 
 def light_baseline(angle_tolerance: float) -> Lit:

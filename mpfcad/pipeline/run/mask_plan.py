@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mpfcad.film import Groove, Process
+from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, build_mask
 from mpfcad.pipeline.plan.field import has_field, read_field_film
@@ -66,7 +66,7 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
 def _read_field(job: Job, job_file: Path) -> MaskPlan:
     refuse_unprintable(job, str(job_file))
     stack = read_job_stack(job, job_file)
-    groove = Groove(job.film.pitch, job.film.depth)
+    groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     map_file = job_file.parent / job.map.file
     film = read_field_film(job, map_file, str(job_file), count, stack)

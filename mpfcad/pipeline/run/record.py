@@ -61,6 +61,7 @@ def build_record(
         findings.mesh,
         findings.agreement,
         findings.curvature_difference,
+        findings.resin,
         findings.traced_sha256 == hashes["film.stl"],
     )
     gates = build_gates(
@@ -185,20 +186,27 @@ def list_inputs(plan: Plan) -> list[dict[str, Any]]:
 
 
 def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
-    tag, source = DEFAULT_SOURCES[table]
     model = getattr(job, table)
     stated = model.model_fields_set if table in job.model_fields_set else set()
     return [
-        {
-            "name": f"{table}.{key}",
-            "value": value,
-            "tag": "given" if key in stated else tag,
-            "source": "the job" if key in stated else source,
-        }
+        {"name": f"{table}.{key}", "value": value, **_origin(model, table, key, stated)}
         for key, value in model.model_dump(mode="json").items()
         if value is not None
         and not (table == "film" and key in FilmTable.UNUSUAL and key not in stated)
     ]
+
+
+def _origin(model: Any, table: str, key: str, stated: set[str]) -> dict[str, str]:
+    """Return tag and source of a value: stated, default, or of a groove from two others."""
+    tag, source = DEFAULT_SOURCES[table]
+    if key in stated:
+        return {"tag": "given", "source": "the job"}
+    if table == "film" and key == model.derived_field and stated & set(FilmTable.GROOVE):
+        others = [name for name in FilmTable.GROOVE if name != key]
+        if set(others) <= stated:
+            tag = "given"
+        return {"tag": tag, "source": f"follows from {' and '.join(others)}"}
+    return {"tag": tag, "source": source}
 
 
 def _process_input(plan: Plan) -> dict[str, Any]:

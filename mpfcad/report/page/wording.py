@@ -38,6 +38,11 @@ GATES = {
         "Mask against STL [1/mm]",
         "max |C from the mask's aperture ratio − C from the STL's facets|",
     ),
+    "resin_volume_difference": (
+        "Mask against STL: resin",
+        "|resin by the mask's aperture ratios − (V<sub>STL</sub> − V<sub>bare prisms</sub>)| over "
+        "that of full grooves",
+    ),
     "traced_file_is_shipped_file": (
         "The traced file is the shipped file",
         "SHA-256 of film.stl when traced and in this export",
