@@ -62,7 +62,7 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     secant = facets.secant_error()
     square = secant**2 * facets.area
     by_groove = np.bincount(facets.groove, square, film.groove_count)
-    by_groove /= np.bincount(facets.groove, facets.area, film.groove_count)
+    by_groove = by_groove / np.bincount(facets.groove, facets.area, film.groove_count)
     volume_error = float(volume_error)
     return MeshCheck(
         True,

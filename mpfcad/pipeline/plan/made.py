@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film import (
     CellFilm,
+    CellShape,
     FieldPiece,
     Imperfection,
     MadeFilm,
@@ -51,7 +52,7 @@ def draw_piece(
     if job.film.is_plain:
         return piece
     if job.film.cell != "groove":
-        return _draw_cells(job, piece, where)
+        return _draw_cells(job, job.film.cell, piece, where)
     made = _draw_made(job, piece, measured, where)
     made.section()  # whatever does not fit is refused here, before anything is written
     return made
@@ -79,7 +80,7 @@ def _draw_made(
     return made.with_resin(piece.resin_height)
 
 
-def _draw_cells(job: Job, piece: PrismFilm, where: str) -> CellFilm:
+def _draw_cells(job: Job, shape: CellShape, piece: PrismFilm, where: str) -> CellFilm:
     """Return the film of cells, as many as the piece's size holds."""
     if job.map.curvature_per_mm is None:
         raise InputError(f"{where}: map.file: {job.map.file}: cells must have one curvature")
@@ -88,4 +89,4 @@ def _draw_cells(job: Job, piece: PrismFilm, where: str) -> CellFilm:
     along = max(round(piece.length / piece.groove.pitch), 1)
     count = (piece.groove_count, along)
     curvature = job.map.curvature_per_mm
-    return CellFilm(piece.groove, piece.base, job.film.cell, piece.profile, curvature, count)
+    return CellFilm(piece.groove, piece.base, shape, piece.profile, curvature, count)

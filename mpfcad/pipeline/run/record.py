@@ -10,6 +10,7 @@ import numpy as np
 
 from mpfcad.backlight import PRISM_FILE
 from mpfcad.export import canonical_json, sha256
+from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.pipeline.effort import TraceSetting
@@ -180,7 +181,7 @@ def list_inputs(plan: Plan) -> list[dict[str, Any]]:
         if table != "mask" or plan.is_printable
     ]
     if plan.process is not None:
-        inputs.append(_process_input(plan))
+        inputs.append(_process_input(plan.job, plan.process))
     stack = [{**entry, "name": f"stack.{entry['name']}"} for entry in plan.stack.inputs()]
     return inputs + stack
 
@@ -209,14 +210,14 @@ def _origin(model: Any, table: str, key: str, stated: set[str]) -> dict[str, str
     return {"tag": tag, "source": source}
 
 
-def _process_input(plan: Plan) -> dict[str, Any]:
-    given = plan.job.process.calibration is not None
-    factor = plan.process.transfer_factor
+def _process_input(job: Job, process: Process) -> dict[str, Any]:
+    given = job.process.calibration is not None
+    factor = process.transfer_factor
     return {
         "name": "process.transfer_factor" if factor is not None else "process.table",
-        "value": factor if factor is not None else f"{len(plan.process.knot_ratio)} rows",
+        "value": factor if factor is not None else f"{len(process.knot_ratio)} rows",
         "tag": "given" if given else "sourced",
-        "source": " Note: ".join([plan.process.source, "; ".join(plan.process.caveats)]),
+        "source": " Note: ".join([process.source, "; ".join(process.caveats)]),
     }
 
 
