@@ -139,7 +139,9 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         entry = table["reflector"]
         if not isinstance(entry, dict):
             raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
-        text.table["reflector"] = read_bsdf_layer(f"{where}: reflector", path.parent, entry)
+        text.table["reflector"] = read_bsdf_layer(
+            f"{where}: reflector", path.parent, entry, reflector=True
+        )
     if "source" in table:
         text.spec = read_spec(where, path.parent, table["source"])
     text.title = str(table.get("title", text.title))

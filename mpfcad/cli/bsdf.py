@@ -47,6 +47,28 @@ def command(
     reciprocal: Annotated[
         bool, typer.Option("--reciprocal", help="Claim that a table is reciprocal: check, mend.")
     ] = False,
+    symmetric: Annotated[
+        bool, typer.Option("--symmetric", help="A missing side is as the other one.")
+    ] = False,
+    reflection: Annotated[
+        str | None,
+        typer.Option("--reflection", metavar="R", help="Of a missing side: 0 … 1, or lossless."),
+    ] = None,
+    transmission: Annotated[
+        float | None,
+        typer.Option("--transmission", min=0.0, max=1.0, help="Where the file holds none."),
+    ] = None,
+    normalise: Annotated[
+        bool, typer.Option("--normalise", help="Accept sums up to 5 % above 1: divide by them.")
+    ] = False,
+    rotation: Annotated[
+        str | None,
+        typer.Option(
+            "--rotation",
+            metavar="WORDS",
+            help="What Zemax sample rotations mean: '+y counterclockwise', …",
+        ),
+    ] = None,
     format: Annotated[
         str | None,
         typer.Option("--format", help="Write klems, csv, zemax [default: klems for a mesh]."),
@@ -63,18 +85,24 @@ def command(
     from mpfcad.cli.option import formats
     from mpfcad.errors import InputError
     from mpfcad.optics.bsdf.file import FORMATS, bsdf_texts, read_bsdf, write_texts
+    from mpfcad.optics.bsdf.missing import NONE, WHOLE, Taken
     from mpfcad.optics.bsdf.rebin import rebin
 
     of_mesh = files[0].suffix.lower() == ".stl"
     if of_mesh and len(files) > 1:
-        raise InputError(f"{files[1]}: several files: allowed for .bsdf only")
+        raise InputError(f"{files[1]}: several files: expected for Zemax .bsdf only")
     chosen = formats(format, FORMATS) if format else ("klems",) * of_mesh
     made = None
     if of_mesh:
         made = _trace(files[0], index, _basis(basis or "klems-full"), rays, seed, threads)
         table = made.table
     else:
-        table = read_bsdf(files, reciprocal=reciprocal)
+        taken = Taken(symmetric, _reflection(reflection), transmission, reciprocal)
+        writes = chosen or basis or page
+        table = read_bsdf(
+            files, taken=taken, needed=WHOLE if writes else NONE, normalise=normalise,
+            rotation=rotation,
+        )  # fmt: skip
         if basis:
             table = rebin(table, _basis(basis))
     stem = files[0].stem
@@ -98,6 +126,22 @@ def command(
     return 0
 
 
+def _reflection(text: str | None) -> float | str | None:
+    """Return what is said of a missing side's reflection."""
+    from mpfcad.errors import InputError
+    from mpfcad.optics.bsdf.missing import LOSSLESS
+
+    if text is None or text == LOSSLESS:
+        return text
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 1:
+        raise InputError(f"--reflection: {text}: expected 0 … 1, or {LOSSLESS}")
+    return value
+
+
 def _basis(name: str) -> "AngleBasis":
     from mpfcad.errors import InputError
     from mpfcad.optics.bsdf.basis import even_basis, klems_basis
@@ -107,7 +151,7 @@ def _basis(name: str) -> "AngleBasis":
     if name.isdecimal() and 2 <= int(name) <= _MOST_RINGS:
         return even_basis(int(name))
     raise InputError(
-        f"--basis: {name}: must be klems-full, klems-half, klems-quarter or 2 … {_MOST_RINGS}"
+        f"--basis: {name}: expected klems-full, klems-half, klems-quarter or 2 … {_MOST_RINGS}"
     )
 
 
@@ -151,8 +195,8 @@ def _figures(table: "BsdfTable", made: "FilmBsdf | None") -> dict[str, Any]:
                 {
                     "side": name,
                     "incidence_deg": round(float(polar), 6),
-                    "transmittance": float(mine[0].mean()),
-                    "reflectance": float(mine[1].mean()),
+                    "transmittance": _known(table, 0, side, float(mine[0].mean())),
+                    "reflectance": _known(table, 1, side, float(mine[1].mean())),
                     "most": float(mine.sum(axis=0).max()),
                 }
             )
@@ -163,9 +207,9 @@ def _figures(table: "BsdfTable", made: "FilmBsdf | None") -> dict[str, Any]:
         "bins": table.basis.count,
         "isotropic": table.isotropic,
         "energy": rows,
-        "lambertian_transmittance": dict(zip(SIDES, table.hemispherical[0].tolist(), strict=True)),
-        "lambertian_reflectance": dict(zip(SIDES, table.hemispherical[1].tolist(), strict=True)),
-        "reciprocity_error": table.reciprocity_error,
+        "lambertian_transmittance": _hemispherical(table, 0),
+        "lambertian_reflectance": _hemispherical(table, 1),
+        "reciprocity_error": None if table.unknown else table.reciprocity_error,
         "notes": list(table.note),
     }
     if made is not None:
@@ -178,19 +222,39 @@ def _figures(table: "BsdfTable", made: "FilmBsdf | None") -> dict[str, Any]:
     return figures
 
 
+def _known(table: "BsdfTable", way: int, side: int, value: float) -> float | None:
+    """Return a figure, or None where the file says nothing."""
+    return None if (way, side) in table.unknown else value
+
+
+def _hemispherical(table: "BsdfTable", way: int) -> dict[str, float | None]:
+    from mpfcad.optics.bsdf.table import SIDES
+
+    share = table.hemispherical[way].tolist()
+    return {name: _known(table, way, side, share[side]) for side, name in enumerate(SIDES)}
+
+
+def _shown(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.4f}"
+
+
 def _print(figures: dict[str, Any]) -> None:
     kind = "isotropic" if figures["isotropic"] else "anisotropic"
     print(f"{figures['name']}: {figures['basis']}, {figures['bins']} bins, {kind}")
     print("side   incidence_deg  transmittance  reflectance  most")
     for row in figures["energy"]:
         print(
-            f"{row['side']:<7}{row['incidence_deg']:>13.4g}{row['transmittance']:>15.4f}"
-            f"{row['reflectance']:>13.4f}  {row['most']:.4f}"
+            f"{row['side']:<7}{row['incidence_deg']:>13.4g}{_shown(row['transmittance']):>15}"
+            f"{_shown(row['reflectance']):>13}  {row['most']:.4f}"
         )
     for side, value in figures["lambertian_transmittance"].items():
         back = figures["lambertian_reflectance"][side]
-        print(f"Lambertian light from {side}: transmittance {value:.4f}, reflectance {back:.4f}")
-    print(f"reciprocity error {figures['reciprocity_error']:.2e}")
+        print(
+            f"Lambertian light from {side}: transmittance {_shown(value)}, "
+            f"reflectance {_shown(back)}"
+        )
+    error = figures["reciprocity_error"]
+    print(f"reciprocity error {'unknown' if error is None else f'{error:.2e}'}")
     if "trace" in figures:
         trace = figures["trace"]
         print(

@@ -1,5 +1,8 @@
 """Stacks with BSDF tables: read, refused, traced, described and restored."""
 
+from pathlib import Path
+from shutil import copyfile
+
 import numpy as np
 import pytest
 
@@ -12,6 +15,7 @@ from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.element import BsdfSheet, Cavity
 from mpfcad.pipeline.plan.plan import describe_stack, restore_stack
 
+BACK_ONLY = Path(__file__).parents[1] / "optics" / "case" / "white-black-back-only.xml"
 QUARTER = klems_basis("LBNL/Klems Quarter")
 RINGS = ring_basis(np.radians([0, 15, 45, 90]), 4)
 
@@ -69,11 +73,16 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
     ("layers", "words"),
     [
         ('{ kind = "bsdf", file = "gone.csv" }', "gone.csv: no such file"),
-        ('{ kind = "bsdf" }', "layers: bsdf_1: file: None: must be a file name"),
+        ('{ kind = "bsdf" }', "layers: bsdf_1: file: None: expected a file name"),
         ('{ kind = "glass", file = "sheet.csv" }', "must be a name or have a kind of"),
         ('{ kind = "bsdf", file = "sheet.csv", size = 1 }', "layers: bsdf_1: size: unknown key"),
         ('{ kind = "bsdf", file = "sheet.csv", interpolation = "cubic" }', "linear or none"),
-        ('{ kind = "bsdf", file = "sheet.csv", reciprocal = 1 }', "reciprocal: 1: must be true"),
+        ('{ kind = "bsdf", file = "sheet.csv", interpolation = [] }', "linear or none"),
+        ('{ kind = "bsdf", file = "sheet.csv", symmetric = 1 }', "symmetric: 1: expected true"),
+        ('{ kind = "bsdf", file = "sheet.csv", reflection = 1.2 }', "reflection: 1.2: expected 0"),
+        ('{ kind = "bsdf", file = "sheet.csv", reflection = "all" }', "or lossless"),
+        ('{ kind = "bsdf", file = "back.xml" }', "transmission from below: not in the file"),
+        ('{ kind = "bsdf", file = "sheet.csv", reciprocal = 1 }', "reciprocal: 1: expected true"),
         ('{ kind = "bsdf", file = "hot.csv" }', "hot.csv: light from below, incidence"),
         ('"bsdf"', "layers: bsdf: must be one of"),
         ('{ kind = "bsdf", name = "reflector", file = "sheet.csv" }', "name: must not be"),
@@ -83,6 +92,7 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
 def test_wrong_tables_are_refused(tmp_path, layers, words):
     write_table(tmp_path)
     write_table(tmp_path, "hot", 0.9, 0.2)
+    copyfile(BACK_ONLY, tmp_path / "back.xml")
     with pytest.raises(InputError) as error:
         read_stack(write_stack(tmp_path, layers))
     assert words in str(error.value)
@@ -95,3 +105,32 @@ def test_a_mesh_and_a_film_go_together(tmp_path):
         lower_stack(stack, object())
     with pytest.raises(InputError, match="its film needs a mesh"):
         lower_stack(read_stack("thesis-32in-mpf"), None)
+
+
+def test_what_is_said_of_a_missing_side_stands_in_the_inputs_and_is_restored(tmp_path):
+    copyfile(BACK_ONLY, tmp_path / "back.xml")
+    path = write_stack(
+        tmp_path,
+        '"clear_plate", { kind = "bsdf", name = "white", file = "back.xml", reflection = 0.0 }',
+        # A reflector is lit from above only.
+        'reflector = { file = "back.xml" }',
+    )
+    stack = read_stack(path)
+    rows = {row["name"]: row for row in stack.inputs()}
+    assert "reflection from below: Lambertian (reflection = 0)" in rows["white"]["source"]
+    assert "transmission from below: by reciprocity from above" in rows["white"]["source"]
+    assert "reflection from below: not in the file" in rows["reflector"]["source"]
+    again = restore_stack(describe_stack(stack))
+    assert describe_stack(again) == describe_stack(stack)
+
+
+def test_files_that_are_no_unicode_are_restored_as_the_same_bytes(tmp_path):
+    copyfile(BACK_ONLY.parent / "comment-cp1252.bsdf", tmp_path / "a.bsdf")
+    layers = (
+        '"clear_plate", { kind = "bsdf", name = "a", file = "a.bsdf", symmetric = true, '
+        "transmission = 0.5 }"
+    )
+    stack = read_stack(write_stack(tmp_path, layers))
+    again = restore_stack(describe_stack(stack))
+    assert again.tables["a"].sha256 == stack.tables["a"].sha256
+    assert np.array_equal(again.tables["a"].table.value, stack.tables["a"].table.value)

@@ -46,10 +46,10 @@ def test_a_mesh_becomes_a_table_that_reads_back_and_converts(tmp_path, capsys, m
     [
         (["gone.xml"], "gone.xml: no such file"),
         (["gone.stl"], "gone.stl: cannot be read"),
-        (["bef.stl", "--basis", "fine"], "--basis: fine: must be klems-full"),
+        (["bef.stl", "--basis", "fine"], "--basis: fine: expected klems-full"),
         (["bef.stl", "--format", "ldt"], "--format: ldt: must be of klems, csv, zemax"),
-        (["bef.stl", "bef.stl"], "several files: allowed for .bsdf only"),
-        (["a.csv", "b.csv"], "b.csv: several files: allowed for .bsdf only"),
+        (["bef.stl", "bef.stl"], "several files: expected for Zemax .bsdf only"),
+        (["a.csv", "b.csv"], "b.csv: several files: expected for Zemax .bsdf only"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_2(tmp_path, capsys, monkeypatch, arguments, words):

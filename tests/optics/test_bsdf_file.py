@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis, even_basis, klems_basis, ring_basis
 from mpfcad.optics.bsdf.file import bsdf_texts, read_bsdf, write_texts
+from mpfcad.optics.bsdf.missing import Taken
 from mpfcad.optics.bsdf.rebin import expand_isotropic, rebin
 from mpfcad.optics.bsdf.table import BsdfTable
 
@@ -130,7 +131,8 @@ def test_a_lambertian_diffuser_survives_the_zemax_format(tmp_path, isotropic):
     paths = written(tmp_path, lambertian(basis, isotropic, 0.6, 0.3), "zemax")
     assert len(paths) == 4
     chosen = paths if isotropic else paths[:1]
-    back = read_bsdf(chosen)
+    taken = Taken(symmetric=True, reflection=0.3)
+    back = read_bsdf(chosen, taken=taken)
     np.testing.assert_allclose(back.energy[0, 0], 0.6, rtol=1e-6)
     # The values too: even over every bin that its grid reaches in full.
     reached = back.basis.edge[1:][back.basis.ring] < np.radians(80)
@@ -141,13 +143,13 @@ def test_a_zemax_lobe_lies_where_its_angles_say(tmp_path):
     # A lobe 20 deg off the direct ray towards the normal (azimuth 0), at 40 deg: leaves at 20 deg.
     text = zemax(lobe_azimuth=0)
     (path,) = write_texts(tmp_path, {"lobe.bsdf": text})
-    table = read_bsdf(path)
+    table = read_bsdf(path, taken=Taken(symmetric=True, reflection=0.0))
     ring = int(np.searchsorted(table.basis.edge, np.radians(40)))
     peak = int(np.argmax(table.value[0, 0, ring]))
     assert abs(np.degrees(table.basis.polar[table.basis.ring[peak]]) - 20) < 4
     assert abs(np.degrees(table.basis.azimuth[peak])) < 6
     np.testing.assert_allclose(table.energy[0, 0, ring], 0.5, rtol=1e-9)
-    assert "reflection: not in the file, taken as 0" in table.note
+    assert "reflection from below: Lambertian (reflection = 0)" in table.note
 
 
 def zemax(lobe_azimuth=0, tis=0.5, level=None):
@@ -179,39 +181,39 @@ def thesis_csv(transmittance=0.6, drop=None, incidence=range(0, 81, 10)):
 
 def test_the_csv_of_a_measurement(tmp_path):
     (path,) = write_texts(tmp_path, {"sheet.csv": thesis_csv()})
-    table = read_bsdf(path, reciprocal=True)
+    table = read_bsdf(path, taken=Taken(symmetric=True, reciprocal=True))
     assert table.isotropic and table.basis.azimuths[0] == 12
     np.testing.assert_allclose(table.energy[0], 0.6, rtol=1e-12)
     np.testing.assert_allclose(table.energy[1], 0.3, rtol=1e-12)
     assert any("0 … 80 deg: linear between" in note for note in table.note)
-    assert "transmission from above: taken as from below" in table.note
-    assert "reflection from above: taken as from below" in table.note
+    assert "transmission from above: as from below (symmetric = true)" in table.note
+    assert "reflection from above: as from below (symmetric = true)" in table.note
 
 
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
         ("a.csv", thesis_csv(0.9), "a.csv: light from below, incidence"),
-        ("a.csv", thesis_csv(0.9), "reflected and transmitted 1.2000: must be at most 1"),
+        ("a.csv", thesis_csv(0.9), "reflected and transmitted 1.2000: expected at most 1"),
         ("a.csv", thesis_csv(drop=("reflection", 30, 20, 60)),
-         "reflection from below: 0 rows at incidence 30, scatter 20, azimuth 60 deg: must be 1"),
+         "reflection from below: 0 rows at incidence 30, scatter 20, azimuth 60 deg: expected 1"),
         ("a.csv", thesis_csv().replace("below,reflection,10,5,30", "below,reflection,10,95,30", 1),
          "row 1270: 'below,reflection,10,95,30"),
-        ("a.csv", "x,y\n1,2\n", "a.csv: header: must be side,way"),
+        ("a.csv", "x,y\n1,2\n", "a.csv: header: expected side,way"),
         ("a.csv", thesis_csv().splitlines()[0], "no rows"),
-        ("a.bsdf", zemax(tis=0.9, level=1.0), "must be within 20 % of the TIS 0.9"),
-        ("a.bsdf", zemax().replace("BTDF", "XTDF"), "ScatterType: ScatterType XTDF: must be"),
+        ("a.bsdf", zemax(tis=0.9, level=1.0), "expected within 20 % of the TIS 0.9"),
+        ("a.bsdf", zemax().replace("BTDF", "XTDF"), "ScatterType: ScatterType XTDF: expected"),
         ("a.bsdf", zemax().replace("DataEnd", ""), "data of rotation 1, incidence 1"),
         ("a.bsdf", zemax().replace("40\nScatterAz", "95\nScatterAz"), "AngleOfIncidence: 95 … 95"),
         ("a.xml", "<a>", "cannot be read as XML"),
         ("a.xml", "<a/>", "IncidentDataStructure: missing"),
-        ("a.txt", "", "a.txt: .txt: must be of .xml, .csv, .bsdf"),
+        ("a.txt", "", "a.txt: .txt: expected .xml, .csv, .astm, .bsdf"),
     ],
 )  # fmt: skip
 def test_wrong_files_are_refused_with_the_place(tmp_path, name, text, words):
     write_texts(tmp_path, {name: text})
     with pytest.raises(InputError) as error:
-        read_bsdf(tmp_path / name)
+        read_bsdf(tmp_path / name, taken=Taken(symmetric=True, reflection=0.0))
     assert words in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -220,7 +222,9 @@ def test_a_wrong_count_in_xml_is_refused(tmp_path):
     (path,) = written(tmp_path, lambertian(QUARTER, False, 0.5, 0.4), "klems")
     text = path.read_text()
     path.write_text(text.replace(f"{0.5 / np.pi!r}, ", "", 1))
-    with pytest.raises(InputError, match="Transmission Front: 1680 values: must be 41 x 41 = 1681"):
+    with pytest.raises(
+        InputError, match="Transmission Front: 1680 values: expected 41 x 41 = 1681"
+    ):
         read_bsdf(path)
 
 
@@ -230,8 +234,8 @@ def test_reciprocity_is_refused_where_claimed_but_not_so(tmp_path):
     value[0, 0] *= np.linspace(0.2, 1, 41)[:, None]
     (path,) = written(tmp_path, BsdfTable("x", QUARTER, False, value), "klems")
     assert read_bsdf(path).reciprocity_error > 0.05
-    with pytest.raises(InputError, match=r"table\.xml: claimed reciprocal: error 0\.\d+: must be"):
-        read_bsdf(path, reciprocal=True)
+    with pytest.raises(InputError, match=r"table\.xml: claimed reciprocal: error 0\.\d+: expected"):
+        read_bsdf(path, taken=Taken(reciprocal=True))
 
 
 def test_nothing_is_left_when_writing_fails(tmp_path):

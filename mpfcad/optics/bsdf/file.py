@@ -1,82 +1,81 @@
 """Reads BSDF tables from any of their formats, checks them, and writes them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis
-from mpfcad.optics.bsdf.csv import bsdf_csv, read_bsdf_csv
-from mpfcad.optics.bsdf.klems import klems_xml, read_klems
-from mpfcad.optics.bsdf.table import ABOVE, BELOW, SIDES, TRANSMIT, WAYS, BsdfTable
-from mpfcad.optics.bsdf.zemax import read_zemax
-from mpfcad.optics.bsdf.zemax_text import zemax_texts
+from mpfcad.optics.bsdf.format.astm import is_astm, read_astm
+from mpfcad.optics.bsdf.format.csv import bsdf_csv, read_bsdf_csv
+from mpfcad.optics.bsdf.format.klems import incident_structure, klems_xml, read_klems
+from mpfcad.optics.bsdf.format.lighttools import is_lighttools, read_lighttools
+from mpfcad.optics.bsdf.format.source import read_xml
+from mpfcad.optics.bsdf.format.tree import read_tree
+from mpfcad.optics.bsdf.format.zemax import read_zemax
+from mpfcad.optics.bsdf.format.zemax_text import zemax_texts
+from mpfcad.optics.bsdf.missing import NOTHING, WHOLE, Matrices, Taken, fill_in
+from mpfcad.optics.bsdf.table import BsdfTable
 
 FORMATS = ("klems", "csv", "zemax")
-_SUFFIXES = (".xml", ".csv", ".bsdf")
+_SUFFIXES = (".xml", ".csv", ".astm", ".bsdf")
+#: (basis, isotropic, matrices (i, o) [1/sr] by (way, side), notes) of a file.
+_Read = tuple[AngleBasis, bool, Matrices, tuple[str, ...]]
 
 
-def read_bsdf(path: Path | Sequence[Path], *, reciprocal: bool = False) -> BsdfTable:
+def read_bsdf(
+    path: Path | Sequence[Path],
+    *,
+    taken: Taken = NOTHING,
+    needed: frozenset[tuple[int, int]] = WHOLE,
+    normalise: bool = False,
+    rotation: str | None = None,
+) -> BsdfTable:
     """Return the checked table of one file, or of several `.bsdf` files of one element.
 
-    What the files do not hold is filled in, each with a note: from a side not measured the same as
-    from the other (transmission of an anisotropic table by reciprocity), a way that is nowhere 0.
-    `reciprocal` claims that the element is: it is checked, and the table made exactly so.
+    What the files do not hold is what `taken` says of it, each with a note. `normalise` accepts
+    sums a few percent above 1, `rotation` says what Zemax sample rotations mean.
 
     Raises
     ------
     InputError
-        naming file, incidence, value and allowed range.
+        naming file, incidence, value and what was expected.
     """
     paths = [Path(path)] if isinstance(path, str | Path) else [Path(p) for p in path]
-    suffix = {p.suffix.lower() for p in paths}
+    basis, isotropic, found, note = _read(paths, rotation)
+    table = fill_in(str(paths[0]), basis, isotropic, found, taken, needed)
+    table = replace(table, note=(*note, *table.note)).checked(normalise=normalise)
+    return table.claimed_reciprocal() if taken.reciprocal else table
+
+
+def _read(paths: list[Path], rotation: str | None) -> _Read:
+    """Return what the files hold."""
     for p in paths:
         if p.suffix.lower() not in _SUFFIXES:
-            raise InputError(f"{p}: {p.suffix or 'no suffix'}: must be of {', '.join(_SUFFIXES)}")
+            raise InputError(f"{p}: {p.suffix or 'no suffix'}: expected {', '.join(_SUFFIXES)}")
         if not p.is_file():
-            raise InputError(f"{p}: no such file")
+            raise InputError(f"{p}: no such file: expected a BSDF table")
+    suffix = {p.suffix.lower() for p in paths}
+    if suffix == {".bsdf"} and not is_lighttools(paths[0]):
+        return read_zemax(paths, rotation)
+    if len(paths) != 1:
+        raise InputError(f"{paths[1]}: several files: expected for Zemax .bsdf only")
     if suffix == {".bsdf"}:
-        basis, isotropic, found, note = read_zemax(paths)
-    elif len(paths) != 1:
-        raise InputError(f"{paths[1]}: several files: allowed for .bsdf only")
-    elif suffix == {".csv"}:
-        basis, isotropic, found, note = read_bsdf_csv(paths[0])
-    else:
-        basis, found = read_klems(paths[0])
-        isotropic, note = False, ()
-    table = _filled_in(str(paths[0]), basis, isotropic, found, note).checked()
-    return table.claimed_reciprocal() if reciprocal else table
+        return read_lighttools(paths[0])
+    if suffix == {".xml"}:
+        return _read_xml(paths[0])
+    return read_astm(paths[0]) if is_astm(paths[0]) else read_bsdf_csv(paths[0])
 
 
-def _filled_in(
-    name: str,
-    basis: AngleBasis,
-    isotropic: bool,
-    found: dict[tuple[int, int], NDArray[np.float64]],
-    note: tuple[str, ...],
-) -> BsdfTable:
-    incidences = len(basis.azimuths) if isotropic else basis.count
-    value = np.zeros((2, 2, incidences, basis.count))
-    for (way, side), matrix in found.items():
-        value[way, side] = matrix
-    notes = list(note)
-    for side, other in ((BELOW, ABOVE), (ABOVE, BELOW)):
-        for way, word in enumerate(WAYS):
-            if (way, side) in found or (way, other) not in found:
-                continue
-            if way == TRANSMIT and not isotropic:
-                back = BsdfTable(name, basis, isotropic, value).reversed_value()
-                value[way, side] = back[way, side]
-                notes.append(f"{word} from {SIDES[side]}: by reciprocity from the other side")
-            else:
-                value[way, side] = value[way, other]
-                notes.append(f"{word} from {SIDES[side]}: taken as from {SIDES[other]}")
-    for way, word in enumerate(WAYS):
-        if not any(key[0] == way for key in found):
-            notes.append(f"{word}: not in the file, taken as 0")
-    return BsdfTable(name, basis, isotropic, value, tuple(notes))
+def _read_xml(path: Path) -> _Read:
+    root, note = read_xml(path)
+    if incident_structure(root).startswith("tensortree"):
+        return (*read_tree(path, root), note)
+    return (*_anisotropic(*read_klems(path, root)), note)
+
+
+def _anisotropic(basis: AngleBasis, found: Matrices) -> tuple[AngleBasis, bool, Matrices]:
+    return basis, False, found
 
 
 def bsdf_texts(table: BsdfTable, stem: str, form: str) -> dict[str, str]:

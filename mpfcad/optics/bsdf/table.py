@@ -25,6 +25,8 @@ WAYS = ("transmission", "reflection")
 ENERGY_TOLERANCE = 1e-3
 #: The largest reciprocity error of a table that is claimed to be reciprocal.
 RECIPROCITY_LIMIT = 0.05
+#: How far above 1 sums may be for a table that the user wants normalised.
+NORMALISE_LIMIT = 1.05
 _MOST_SCALINGS = 2000
 
 
@@ -44,6 +46,8 @@ class BsdfTable:
         (2, 2, i, o) float64 [1/sr]
     note
         what was taken for granted on reading, a sentence each
+    unknown
+        (way, side) that nothing is known of, and that nobody uses: 0 in `value`
     """
 
     name: str
@@ -51,6 +55,7 @@ class BsdfTable:
     isotropic: bool
     value: NDArray[np.float64]
     note: tuple[str, ...] = ()
+    unknown: frozenset[tuple[int, int]] = frozenset()
 
     @property
     def incidence_polar(self) -> NDArray[np.float64]:
@@ -105,8 +110,11 @@ class BsdfTable:
         total = ((self.value + back) * weight).sum()
         return float((np.abs(self.value - back) * weight).sum() / total) if total > 0 else 0.0
 
-    def checked(self) -> "BsdfTable":
-        """Return the table, values of rounding noise below 0 refused and energy at most 1.
+    def checked(self, *, normalise: bool = False) -> "BsdfTable":
+        """Return the table: values from 0 up, energy at most 1.
+
+        With `normalise` sums up to `NORMALISE_LIMIT` are accepted: all values are divided by the
+        largest, which keeps reciprocity, and a note says so.
 
         Raises
         ------
@@ -118,16 +126,31 @@ class BsdfTable:
             way, side, i, o = np.argwhere(wrong)[0]
             raise InputError(
                 f"{self.name}: {WAYS[way]} from {SIDES[side]}, {self._place(i)}: "
-                f"{self.value[way, side, i, o]:g}: must be a number from 0 up"
+                f"{self.value[way, side, i, o]:g}: expected a number from 0 up"
             )
         total = self.energy.sum(axis=0)
         side, i = np.unravel_index(np.argmax(total), total.shape)
-        if total[side, i] > 1 + ENERGY_TOLERANCE:
-            raise InputError(
-                f"{self.name}: light from {SIDES[side]}, {self._place(i)}: reflected and "
-                f"transmitted {total[side, i]:.4f}: must be at most 1"
-            )
-        return self
+        most = float(total[side, i])
+        if most <= 1 + ENERGY_TOLERANCE:
+            return self
+        if normalise and most <= NORMALISE_LIMIT:
+            note = f"sums up to {most:.4f} leave: all values divided by it (normalise = true)"
+            return replace(self, value=self.value / most, note=(*self.note, note))
+        expected = "at most 1"
+        if most <= NORMALISE_LIMIT:
+            expected += f"; normalise = true accepts up to {NORMALISE_LIMIT:g}"
+        elif normalise:
+            expected = f"at most {NORMALISE_LIMIT:g} to normalise"
+        raise InputError(
+            f"{self.name}: light from {SIDES[side]}, {self._place(int(i))}: reflected and "
+            f"transmitted {most:.4f}: expected {expected}"
+        )
+
+    def summary(self) -> str:
+        """Return in a line what was read: file, bins, and what was taken for granted."""
+        kind = "isotropic" if self.isotropic else "anisotropic"
+        read = f"read {self.name}: {self.basis.name}, {self.basis.count} bins, {kind}"
+        return "; ".join((read, *self.note))
 
     def _place(self, i: int) -> str:
         text = f"incidence {np.degrees(self.incidence_polar[i]):.4g} deg"
@@ -146,7 +169,7 @@ class BsdfTable:
         error = self.reciprocity_error
         if error > RECIPROCITY_LIMIT:
             raise InputError(
-                f"{self.name}: claimed reciprocal: error {error:.4f}: must be at most "
+                f"{self.name}: claimed reciprocal: error {error:.4f}: expected at most "
                 f"{RECIPROCITY_LIMIT:g}"
             )
         return self.made_reciprocal()

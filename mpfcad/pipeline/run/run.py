@@ -196,8 +196,13 @@ def trace_mesh(
         )
         result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
-    tables = [{"file": t.name, "sha256": t.sha256} for t in backlight.tables.values()]
-    traced = {**film, "stack": str(stack), "tables": tables, "seed": seed}
+    for table in backlight.tables.values():
+        progress.note(table.table.summary())
+    tables = [
+        {"file": t.name, "sha256": t.sha256, "notes": list(t.table.note)}
+        for t in backlight.tables.values()
+    ]
+    traced: dict[str, Any] = {**film, "stack": str(stack), "tables": tables, "seed": seed}
     if repaired:
         traced["repaired_from"] = repaired
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

@@ -3,8 +3,8 @@
 Radial 0 is the direct or mirrored direction, azimuth 0 points from it to the surface normal and
 turns counterclockwise seen against the light leaving. TIS is the share of light that leaves: it
 sets the energy, the values the shape. A comment `# side: above` or `# side: below` (taken where
-there is none) says where the light comes from. A sample rotation is the azimuth of the incident
-ray's way of travel.
+there is none) says where the light comes from, `# rotation: +y counterclockwise` what a sample
+rotation means where the vendor leaves it open.
 """
 
 from pathlib import Path
@@ -13,8 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.optics.bsdf.basis import even_basis, ring_basis
-from mpfcad.optics.bsdf.lobe import LobeData, check_total, lobe_matrix
+from mpfcad.optics.bsdf.basis import AngleBasis, even_basis, ring_basis
+from mpfcad.optics.bsdf.format.lobe import LobeData, lobe_matrix, settled
+from mpfcad.optics.bsdf.format.rotation import completed, placed, read_rotation
+from mpfcad.optics.bsdf.format.source import read_text
+from mpfcad.optics.bsdf.missing import Matrices
 from mpfcad.optics.bsdf.table import REFLECT, SIDES, TRANSMIT, WAYS
 
 ANGLES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
@@ -27,8 +30,12 @@ _WORDS = {
 _RINGS, _AZIMUTHS, _TURNED_RINGS = 36, 72, 18
 
 
-def read_zemax(paths: list[Path]):
+def read_zemax(
+    paths: list[Path], rotation: str | None = None
+) -> tuple[AngleBasis, bool, Matrices, tuple[str, ...]]:
     """Return (basis, isotropic, matrices (i, o) [1/sr] by (way, side), notes) of files together.
+
+    `rotation` says what sample rotations mean (`read_rotation`), in place of a comment's word.
 
     Raises
     ------
@@ -36,28 +43,32 @@ def read_zemax(paths: list[Path]):
         when a file breaks the format, its values integrate to something else than its TIS, or two
         files hold the same way and side.
     """
-    files = [read_zemax_file(path) for path in paths]
+    files = [read_zemax_file(path, rotation) for path in paths]
     isotropic = len(files[0].rotation) == 1
     basis = ring_basis(np.linspace(0, np.pi / 2, _RINGS + 1), _AZIMUTHS)
     if not isotropic:
         basis = even_basis(_TURNED_RINGS)
-    found = {}
+    found: Matrices = {}
+    notes = []
     for data in files:
         if (len(data.rotation) == 1) != isotropic:
-            raise InputError(f"{data.path}: SampleRotation: must be one or many in all files")
+            raise InputError(f"{data.path}: SampleRotation: expected one or many in all files")
         if (data.way, data.side) in found:
             raise InputError(
                 f"{data.path}: {WAYS[data.way]} from {SIDES[data.side]}: is in another file too; "
                 "a line '# side: above' or '# side: below' tells the side"
             )
-        check_total(data)
+        data = settled(data)
         found[data.way, data.side] = lobe_matrix(data, basis, isotropic)
+        notes += [note for note in data.note if note not in notes]
     first, last = np.degrees(files[0].incidence[[0, -1]])
-    note = f"incidence measured at {first:g} … {last:g} deg: linear between, the nearest beyond"
-    return basis, isotropic, found, (note,)
+    notes.append(
+        f"incidence measured at {first:g} … {last:g} deg: linear between, the nearest beyond"
+    )
+    return basis, isotropic, found, tuple(notes)
 
 
-def read_zemax_file(path: Path) -> LobeData:
+def read_zemax_file(path: Path, rotation: str | None = None) -> LobeData:
     """Return what one file holds.
 
     Raises
@@ -65,11 +76,10 @@ def read_zemax_file(path: Path) -> LobeData:
     InputError
         naming the line or number that is not as the format says.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+    text, notes = read_text(path)
+    lines = text.splitlines()
     side = _side(path, lines)
+    said = rotation or _comment(lines, "rotation")
     rows = [line.split() for line in lines if line.strip() and not line.lstrip().startswith("#")]
     words = {}
     for at, (name, allowed) in enumerate(_WORDS.items()):
@@ -77,28 +87,39 @@ def read_zemax_file(path: Path) -> LobeData:
         word = row[1].lower() if len(row) > 1 and row[0].lower() == name.lower() else ""
         if not word or (allowed and word not in allowed):
             raise InputError(
-                f"{path}: {name}: {' '.join(row) or 'missing'}: must be {name} and "
+                f"{path}: {name}: {' '.join(row) or 'missing'}: expected {name} and "
                 f"{' or '.join(allowed or ('Measured',))}"
             )
         words[name] = word
     angles = [_angles(path, name, rows, 4 + 2 * at) for at, name in enumerate(ANGLES)]
     shape = [len(a) for a in angles]
     tis, value = _data(path, rows[12:], words["SpectralContent"], shape)
-    rotation, incidence, azimuth, radial = map(np.radians, angles)
     _check_angles(path, angles)
+    turn, incidence, azimuth, radial = map(np.radians, angles)
     azimuth, value = _around(path, words["Symmetry"], azimuth, value)
     way = TRANSMIT if words["ScatterType"] == "btdf" else REFLECT
-    return LobeData(path, way, side, rotation, incidence, azimuth, radial, tis, value)
+    if words["Symmetry"] == "asymmetrical4d" and len(turn) == 1:
+        notes = (*notes, "one sample rotation: taken as isotropic")
+    data = LobeData(path, way, side, turn, incidence, azimuth, radial, tis, value, notes)
+    return placed(completed(data), read_rotation(str(path), said) if said else None)
+
+
+def _comment(lines: list[str], key: str) -> str | None:
+    """Return what a comment `# key: text` says, or None."""
+    for line in lines:
+        name, _, text = line.lstrip().removeprefix("#").partition(":")
+        if line.lstrip().startswith("#") and name.strip().lower() == key:
+            return text.strip()
+    return None
 
 
 def _side(path: Path, lines: list[str]) -> int:
-    for line in lines:
-        name, _, text = line.lstrip().removeprefix("#").partition(":")
-        if line.lstrip().startswith("#") and name.strip().lower() == "side":
-            if text.strip() not in SIDES:
-                raise InputError(f"{path}: # side: {text.strip()}: must be {' or '.join(SIDES)}")
-            return SIDES.index(text.strip())
-    return 0
+    said = _comment(lines, "side")
+    if said is None:
+        return 0
+    if said not in SIDES:
+        raise InputError(f"{path}: # side: {said}: expected {' or '.join(SIDES)}")
+    return SIDES.index(said)
 
 
 def _angles(path: Path, name: str, rows: list[list[str]], at: int) -> NDArray[np.float64]:
@@ -108,11 +129,13 @@ def _angles(path: Path, name: str, rows: list[list[str]], at: int) -> NDArray[np
         if row[0].lower() != name.lower():
             raise ValueError
         values = np.array(rows[at + 1], float)
-        if len(values) != int(row[1]) or np.any(np.diff(values) <= 0):
+        if len(values) != int(row[1]) or not (np.diff(values) > 0).all():
+            raise ValueError
+        if not np.isfinite(values).all():
             raise ValueError
     except (ValueError, IndexError):
         raise InputError(
-            f"{path}: {name}: {' '.join(row) or 'missing'}: must be {name} and a number, then as "
+            f"{path}: {name}: {' '.join(row) or 'missing'}: expected {name} and a number, then as "
             "many rising angles on the next line"
         ) from None
     return values
@@ -121,14 +144,9 @@ def _angles(path: Path, name: str, rows: list[list[str]], at: int) -> NDArray[np
 def _check_angles(path: Path, angles: list[NDArray[np.float64]]) -> None:
     for name, values, high in zip(ANGLES, angles, (360, 90, 360, 180), strict=True):
         if values[0] < 0 or values[-1] > high or (name == "AngleOfIncidence" and values[-1] >= 90):
-            raise InputError(f"{path}: {name}: {values[0]:g} … {values[-1]:g}: must be 0 … {high}")
+            raise InputError(f"{path}: {name}: {values[0]:g} … {values[-1]:g}: expected 0 … {high}")
     if len(angles[3]) < 2 or angles[3][0] != 0:
-        raise InputError(f"{path}: ScatterRadial: must be 2 or more angles from 0")
-    turns = angles[0]
-    if len(turns) > 1:
-        step = 360 / len(turns)
-        if not np.allclose(turns, np.arange(len(turns)) * step, atol=1e-6):
-            raise InputError(f"{path}: SampleRotation: must be one, or even steps from 0 over 360")
+        raise InputError(f"{path}: ScatterRadial: expected 2 or more angles from 0")
 
 
 def _data(path: Path, rows: list[list[str]], spectral: str, shape: list[int]):
@@ -157,11 +175,11 @@ def _data(path: Path, rows: list[list[str]], spectral: str, shape: list[int]):
     except (ValueError, StopIteration) as error:
         raise InputError(
             f"{path}: data of rotation {s + 1}, incidence {i + 1}: {error or 'too few numbers'}: "
-            f"must be TIS, a number, then {azimuths} x {radials} values"
+            f"expected TIS, a number, then {azimuths} x {radials} values"
         ) from None
     wrong = ~np.isfinite(value) | (value < 0)
     if wrong.any() or not (tis >= 0).all():
-        raise InputError(f"{path}: data: TIS and values must be numbers from 0 up")
+        raise InputError(f"{path}: data: TIS and values expected numbers from 0 up")
     return tis, value
 
 
@@ -176,7 +194,7 @@ def _around(path: Path, symmetry: str, azimuth: NDArray, value: NDArray) -> tupl
             np.concatenate([value, mirrored], axis=2),
         )
     if abs(azimuth[0]) > 1e-9:
-        raise InputError(f"{path}: ScatterAzimuth: must begin at 0")
+        raise InputError(f"{path}: ScatterAzimuth: expectedgin at 0")
     if abs(azimuth[-1] - 2 * np.pi) < 1e-6:
         return azimuth, value
     closed = np.concatenate([value, value[:, :, :1]], axis=2)

@@ -8,6 +8,7 @@ halfway between the angles measured.
 """
 
 import csv
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,35 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis, edges_between, ring_basis
+from mpfcad.optics.bsdf.format.source import read_text
+from mpfcad.optics.bsdf.missing import Matrices
 from mpfcad.optics.bsdf.table import SIDES, WAYS, BsdfTable
 
 _ISOTROPIC = ["side", "way", "incidence_deg", "scatter_deg", "scatter_azimuth_deg", "bsdf_per_sr"]
 _COLUMNS = [*_ISOTROPIC[:3], "incidence_azimuth_deg", *_ISOTROPIC[3:]]
 _LEAST_AZIMUTHS = 4
 
-Matrices = dict[tuple[int, int], NDArray[np.float64]]
+#: More bins than any instrument resolves: a matrix of as many squared is 800 MB.
+_MOST_BINS = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Rows of an isotropic measurement.
+
+    Attributes
+    ----------
+    keys
+        (n, 2) int64: way, side
+    angles
+        (n, 4) float64 [deg]: incidence, 0, scatter, azimuth from the direct or mirrored ray
+    value
+        (n,) float64 [1/sr]
+    """
+
+    keys: NDArray[np.int64]
+    angles: NDArray[np.float64]
+    value: NDArray[np.float64]
 
 
 def read_bsdf_csv(path: Path) -> tuple[AngleBasis, bool, Matrices, tuple[str, ...]]:
@@ -43,26 +66,23 @@ def read_bsdf_csv(path: Path) -> tuple[AngleBasis, bool, Matrices, tuple[str, ..
             f"{path}: column incidence_azimuth_deg: needs lines '# edges_deg:' and '# azimuths:' "
             "before the header"
         )
-    return _from_grid(path, keys, angles, value)
+    return grid_table(path, Grid(keys, angles, value))
 
 
 def _read(path: Path) -> tuple[dict[str, str], list[str], list[tuple[int, list[str]]]]:
     """Return the remarks, the header and the numbered rows."""
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = list(enumerate(file.read().splitlines(), 1))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+    lines = list(enumerate(read_text(path)[0].splitlines(), 1))
     remarks = {}
     for _, line in lines:
         if line.startswith("#") and ":" in line:
             name, _, text = line[1:].partition(":")
             remarks[name.strip()] = text.strip()
     kept = [(n, line) for n, line in lines if line.strip() and not line.startswith("#")]
-    parsed = [(n, row) for (n, _), row in zip(kept, csv.reader(t for _, t in kept), strict=True)]
+    # Each line by itself: a stray quote must not swallow those after it.
+    parsed = [(n, next(csv.reader([line]))) for n, line in kept]
     if not parsed or parsed[0][1] not in (_ISOTROPIC, _COLUMNS):
         raise InputError(
-            f"{path}: header: must be {','.join(_ISOTROPIC)}, with incidence_azimuth_deg after "
+            f"{path}: header: expected {','.join(_ISOTROPIC)}, with incidence_azimuth_deg after "
             "incidence_deg where not isotropic"
         )
     return remarks, parsed[0][1], parsed[1:]
@@ -78,7 +98,7 @@ def _parsed(path: Path, header: list[str], rows: list[tuple[int, list[str]]]):
             numbers[at] = row[2:]
         except (ValueError, IndexError):
             raise InputError(
-                f"{path}: row {line}: {','.join(row)!r}: must be side ({' or '.join(SIDES)}), way "
+                f"{path}: row {line}: {','.join(row)!r}: expected side ({' or '.join(SIDES)}), way "
                 f"({' or '.join(WAYS)}) and {len(header) - 2} numbers"
             ) from None
     if not len(rows):
@@ -93,7 +113,7 @@ def _parsed(path: Path, header: list[str], rows: list[tuple[int, list[str]]]):
     if wrong.any():
         line, row = rows[int(np.argmax(wrong))]
         raise InputError(
-            f"{path}: row {line}: {','.join(row)!r}: angles must be in 0 … 90 deg, values from 0 up"
+            f"{path}: row {line}: {','.join(row)!r}: expected angles of 0 … 90 deg, values from 0"
         )
     return keys, angles, value
 
@@ -103,14 +123,19 @@ def _given_basis(path: Path, remarks: dict[str, str]) -> AngleBasis:
         edge = np.array(remarks["edges_deg"].split(), float)
         azimuths = np.array(remarks["azimuths"].split(), np.int64)
     except (KeyError, ValueError) as error:
-        raise InputError(f"{path}: # edges_deg, # azimuths: {error}: must be numbers") from None
+        raise InputError(f"{path}: # edges_deg, # azimuths: {error}: expected numbers") from None
     rising = (
         len(edge) > 1 and edge[0] == 0 and abs(edge[-1] - 90) < 1e-9 and (np.diff(edge) > 0).all()
     )
     if not rising:
         raise InputError(f"{path}: # edges_deg: {remarks['edges_deg']}: must rise from 0 to 90")
     if len(azimuths) != len(edge) - 1 or azimuths.min() < 1:
-        raise InputError(f"{path}: # azimuths: must be {len(edge) - 1} numbers from 1 up")
+        raise InputError(f"{path}: # azimuths: expected {len(edge) - 1} numbers from 1 up")
+    if azimuths.astype(float).sum() > _MOST_BINS:
+        raise InputError(
+            f"{path}: # azimuths: {azimuths.astype(float).sum():.4g} bins: expected at most "
+            f"{_MOST_BINS}"
+        )
     return AngleBasis(remarks.get("basis", path.stem), np.radians(edge), azimuths)
 
 
@@ -136,7 +161,7 @@ def _by_bin(path, basis, isotropic, keys, angles, value) -> Matrices:
                 f"{path}: {WAYS[way]} from {SIDES[side]}: {number[i, o]} rows from incidence "
                 f"{np.degrees(polar[i]):.4g} deg to scatter "
                 f"{np.degrees(basis.polar[basis.ring[o]]):.4g} deg, azimuth "
-                f"{np.degrees(basis.azimuth[o]):.4g} deg: must be 1"
+                f"{np.degrees(basis.azimuth[o]):.4g} deg: expected 1"
             )
         matrix = np.zeros(number.shape)
         matrix[coming[mine], leaving[mine]] = value[mine]
@@ -144,19 +169,26 @@ def _by_bin(path, basis, isotropic, keys, angles, value) -> Matrices:
     return found
 
 
-def _from_grid(path, keys, angles, value):
-    """Return an isotropic table from values measured at the points of a grid of angles."""
+def grid_table(path: Path, grid: Grid) -> tuple[AngleBasis, bool, Matrices, tuple[str, ...]]:
+    """Return (basis, isotropic, matrices, notes) of values at the points of a grid of angles.
+
+    Raises
+    ------
+    InputError
+        when a point is missing or there twice, or azimuths are not even.
+    """
+    keys, angles, value = grid.keys, grid.angles, grid.value
     incidence, scatter, azimuth = (np.unique(angles[:, c]) for c in (0, 2, 3))
     azimuths = _azimuths(path, azimuth)
     if len(scatter) < 2:
-        raise InputError(f"{path}: scatter_deg: {len(scatter)} angle: must be 2 or more")
+        raise InputError(f"{path}: scatter_deg: {len(scatter)} angle: expected 2 or more")
     basis = ring_basis(edges_between(np.radians(scatter)), azimuths)
     found: Matrices = {}
     for way, side in sorted(set(map(tuple, keys.tolist()))):
         mine = (keys == (way, side)).all(axis=1)
         at = tuple(
-            np.searchsorted(grid, angles[mine, c])
-            for grid, c in ((incidence, 0), (scatter, 2), (azimuth, 3))
+            np.searchsorted(axis, angles[mine, c])
+            for axis, c in ((incidence, 0), (scatter, 2), (azimuth, 3))
         )
         number = np.zeros((len(incidence), len(scatter), len(azimuth)), np.int64)
         np.add.at(number, at, 1)
@@ -164,7 +196,7 @@ def _from_grid(path, keys, angles, value):
             i, s, a = np.argwhere(number != 1)[0]
             raise InputError(
                 f"{path}: {WAYS[way]} from {SIDES[side]}: {number[i, s, a]} rows at incidence "
-                f"{incidence[i]:g}, scatter {scatter[s]:g}, azimuth {azimuth[a]:g} deg: must be 1"
+                f"{incidence[i]:g}, scatter {scatter[s]:g}, azimuth {azimuth[a]:g} deg: expected 1"
             )
         cube = np.zeros(number.shape)
         cube[at] = value[mine]
@@ -191,8 +223,8 @@ def _azimuths(path: Path, azimuth: NDArray[np.float64]) -> int:
     half, whole = abs(azimuth[-1] - 180) < 1e-6, even and abs(azimuth[-1] + step[0] - 360) < 1e-6
     if not even or not (half or whole) or around < _LEAST_AZIMUTHS or round(around) % 2:
         raise InputError(
-            f"{path}: scatter_azimuth_deg: {azimuth[0]:g} … {azimuth[-1]:g}: must be even steps of "
-            f"at most 90 over 0 … 180 (mirrored) or, an even number, 0 … below 360"
+            f"{path}: scatter_azimuth_deg: {azimuth[0]:g} … {azimuth[-1]:g}: expected even steps "
+            f"of at most 90 over 0 … 180 (mirrored) or, an even number, 0 … below 360"
         )
     return round(around)
 

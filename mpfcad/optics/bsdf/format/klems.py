@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis, klems_basis
+from mpfcad.optics.bsdf.missing import Matrices
 from mpfcad.optics.bsdf.rebin import expand_isotropic
 from mpfcad.optics.bsdf.table import ABOVE, BELOW, REFLECT, TRANSMIT, BsdfTable
 
@@ -25,46 +26,66 @@ _DIRECTIONS = {
 _NAMESPACE = "http://windows.lbl.gov"
 
 
-def read_klems(path: Path) -> tuple[AngleBasis, dict[tuple[int, int], NDArray[np.float64]]]:
-    """Return the basis and the matrices (i, o) [1/sr] that a file has, by (way, side).
+def read_klems(path: Path, root: ElementTree.Element) -> tuple[AngleBasis, Matrices]:
+    """Return the basis and the matrices (i, o) [1/sr] that a file's XML has, by (way, side).
 
     Raises
     ------
     InputError
         when the file is no Klems matrix of visible light, or a matrix is not as its basis says.
     """
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise InputError(f"{path}: cannot be read as XML: {error}") from None
-    for element in root.iter():
-        element.tag = element.tag.rpartition("}")[2]
-    structure = (root.findtext(".//IncidentDataStructure") or "").strip()
-    if structure not in ("Columns", "Rows"):
+    structure = incident_structure(root)
+    if structure not in ("columns", "rows"):
         raise InputError(
-            f"{path}: IncidentDataStructure: {structure or 'missing'}: must be Columns or Rows"
+            f"{path}: IncidentDataStructure: {structure or 'missing'}: expected Columns, Rows, "
+            "TensorTree3 or TensorTree4"
         )
     bases = {
         basis.name.lower(): basis for basis in map(_basis_reader(path), root.iter("AngleBasis"))
     }
-    found: dict[tuple[int, int], NDArray[np.float64]] = {}
-    used = None
+    found: Matrices = {}
+    used: AngleBasis | None = None
+    for key, direction, block in visible_blocks(path, root):
+        basis = _basis_of(path, block, bases, direction)
+        if used is not None and not used.is_same(basis):
+            raise InputError(f"{path}: {direction}: basis {basis.name}: expected {used.name}")
+        used = basis
+        matrix = _matrix(path, block, basis.count, direction)
+        found[key] = matrix.T if structure == "columns" else matrix
+    assert used is not None  # there is a block, or `visible_blocks` has raised
+    return used, found
+
+
+def incident_structure(root: ElementTree.Element) -> str:
+    """Return how incidence is ordered, in lower case: columns, rows, tensortree3, tensortree4."""
+    return (root.findtext(".//IncidentDataStructure") or "").strip().lower()
+
+
+def visible_blocks(
+    path: Path, root: ElementTree.Element
+) -> list[tuple[tuple[int, int], str, ElementTree.Element]]:
+    """Return ((way, side), direction, block) of each block of visible light.
+
+    Raises
+    ------
+    InputError
+        when there is none, or a direction is there twice.
+    """
+    blocks: list[tuple[tuple[int, int], str, ElementTree.Element]] = []
     for data in _visible(path, root):
         for block in data.iter("WavelengthDataBlock"):
-            direction = (block.findtext("WavelengthDataDirection") or "").strip()
+            direction = (block.findtext("WavelengthDataDirection") or "").strip().title()
             if direction not in _DIRECTIONS:
                 continue
-            basis = _basis_of(path, block, bases, direction)
-            if used is not None and not used.is_same(basis):
-                raise InputError(f"{path}: {direction}: basis {basis.name}: must be {used.name}")
-            used = basis
-            matrix = _matrix(path, block, basis.count, direction)
-            found[_DIRECTIONS[direction]] = matrix.T if structure == "Columns" else matrix
-    if used is None:
+            key = _DIRECTIONS[direction]
+            if any(key == one for one, _, _ in blocks):
+                raise InputError(f"{path}: {direction}: is there twice: expected once")
+            blocks.append((key, direction, block))
+    if not blocks:
         raise InputError(
-            f"{path}: no WavelengthDataBlock: must hold one of {', '.join(_DIRECTIONS)}"
+            f"{path}: no WavelengthDataBlock: expected one of {', '.join(_DIRECTIONS)}"
         )
-    return used, found
+    return blocks
 
 
 def _visible(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]:
@@ -73,7 +94,7 @@ def _visible(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]
     kinds = [(data.findtext("Wavelength") or "").strip() for data in every]
     visible = [d for d, kind in zip(every, kinds, strict=True) if kind.lower() in ("visible", "")]
     if not visible:
-        raise InputError(f"{path}: Wavelength: {', '.join(kinds) or 'missing'}: must be Visible")
+        raise InputError(f"{path}: Wavelength: {', '.join(kinds) or 'missing'}: expected Visible")
     return visible
 
 
@@ -82,14 +103,16 @@ def _basis_reader(path: Path):
         name = (element.findtext("AngleBasisName") or "").strip()
         blocks = list(element.iter("AngleBasisBlock"))
         try:
-            edge = [float(b.findtext("ThetaBounds/UpperTheta")) for b in blocks]
-            azimuths = [int(b.findtext("nPhis")) for b in blocks]
+            edge = [float(b.findtext("ThetaBounds/UpperTheta") or "") for b in blocks]
+            azimuths = [int(b.findtext("nPhis") or "") for b in blocks]
         except (TypeError, ValueError):
             raise InputError(f"{path}: AngleBasis {name}: needs UpperTheta and nPhis") from None
         if not edge or np.any(np.diff([0.0, *edge]) <= 0) or abs(edge[-1] - 90) > 1e-6:
-            raise InputError(f"{path}: AngleBasis {name}: UpperTheta must rise to 90")
+            raise InputError(f"{path}: AngleBasis {name}: UpperTheta: expected to rise to 90")
         if min(azimuths) < 1:
-            raise InputError(f"{path}: AngleBasis {name}: nPhis {min(azimuths)}: must be from 1 up")
+            raise InputError(
+                f"{path}: AngleBasis {name}: nPhis {min(azimuths)}: expected from 1 up"
+            )
         edge[-1] = 90.0
         return AngleBasis(name, np.radians([0.0, *edge]), np.array(azimuths, np.int64))
 
@@ -103,7 +126,7 @@ def _basis_of(
     row = (block.findtext("RowAngleBasis") or "").strip()
     if column != row:
         raise InputError(
-            f"{path}: {direction}: RowAngleBasis {row!r}: must be the ColumnAngleBasis {column!r}"
+            f"{path}: {direction}: RowAngleBasis {row!r}: expected the ColumnAngleBasis {column!r}"
         )
     if column.lower() in bases:
         return bases[column.lower()]
@@ -119,7 +142,7 @@ def _matrix(
     text = (block.findtext("ScatteringData") or "").replace(",", " ").split()
     if len(text) != count * count:
         raise InputError(
-            f"{path}: {direction}: {len(text)} values: must be {count} x {count} = {count**2}"
+            f"{path}: {direction}: {len(text)} values: expected {count} x {count} = {count**2}"
         )
     try:
         return np.array(text, float).reshape(count, count)

@@ -1,13 +1,13 @@
-"""Writes Zemax tabular `.bsdf` files; what they hold is said in `bsdf_zemax`."""
+"""Writes Zemax tabular `.bsdf` files; what they hold is said in `zemax`."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.bsdf.basis import AngleBasis
-from mpfcad.optics.bsdf.lobe import leaving_direction
+from mpfcad.optics.bsdf.format.lobe import leaving_direction
+from mpfcad.optics.bsdf.format.zemax import ANGLES
 from mpfcad.optics.bsdf.rebin import bin_shares, bsdf_at
 from mpfcad.optics.bsdf.table import REFLECT, SIDES, TRANSMIT, BsdfTable
-from mpfcad.optics.bsdf.zemax import ANGLES
 
 #: How far below the horizon (direction cosine) values are still written: more than a step.
 _MARGIN = 0.2
@@ -33,6 +33,7 @@ def _zemax_text(table: BsdfTable, way: int, side: int, kind: str) -> str:
     a, r = np.meshgrid(np.radians(azimuth), np.radians(radial), indexing="ij")
     lines = [
         f"# side: {SIDES[side]}",
+        *([] if table.isotropic else ["# rotation: +y counterclockwise"]),
         "Source  Measured",
         f"Symmetry  {'ASymmetrical' if table.isotropic else 'ASymmetrical4D'}",
         "SpectralContent  Monochrome",
@@ -41,7 +42,8 @@ def _zemax_text(table: BsdfTable, way: int, side: int, kind: str) -> str:
     for name, angles in zip(ANGLES, (rotation, incidence, azimuth, radial), strict=True):
         lines += [f"{name}  {len(angles)}", "\t".join(f"{v:g}" for v in angles)]
     lines += ["", "Monochrome", "DataBegin"]
-    for turn in np.radians(rotation):
+    # As the vendor counts them: the light travels along +y at rotation 0.
+    for turn in np.radians(rotation + 90):
         for theta in np.radians(incidence):
             incident = np.sin(theta) * np.array([np.cos(turn), np.sin(turn)])
             direction = leaving_direction(theta, a, r)

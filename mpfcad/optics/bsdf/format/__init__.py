@@ -1,0 +1,1 @@
+"""BSDF files, a module a format: read into matrices by (way, side), and written."""
