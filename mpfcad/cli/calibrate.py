@@ -9,7 +9,7 @@ import typer
 from mpfcad.cli.option import Json
 
 if TYPE_CHECKING:
-    from mpfcad.film import Groove, Interval, StylusFit
+    from mpfcad.film import Groove, Interval, ReadingOption, StylusFit, StylusTrace
 
 _HEADER = (
     f"{'file':<24}{'aperture':>9}{'curvature_per_mm [95 %]':>28}"
@@ -21,7 +21,9 @@ _HEADER = (
 def command(
     files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="FILE.csv…", help="Stylus traces x_um,z_um.", show_default=False),
+        typer.Argument(
+            metavar="FILE…", help="Stylus traces, as the instrument wrote them.", show_default=False
+        ),
     ] = None,
     aperture: Annotated[
         list[float] | None,
@@ -37,6 +39,26 @@ def command(
     ] = None,
     pitch_um: Annotated[float, typer.Option("--pitch-um", min=1, help="Of the grooves.")] = 50.0,
     depth_um: Annotated[float, typer.Option("--depth-um", min=1, help="Of the grooves.")] = 25.0,
+    unit: Annotated[
+        str | None,
+        typer.Option("--unit", metavar="X[,Z]", help="um, mm, nm, A or m [default: the file's]."),
+    ] = None,
+    columns: Annotated[
+        str | None,
+        typer.Option("--columns", metavar="X,Z", help="Columns from 1 [default: by their names]."),
+    ] = None,
+    tip_radius_um: Annotated[
+        float | None,
+        typer.Option("--tip-radius-um", metavar="R", help="The stylus's [default: the file's]."),
+    ] = None,
+    tip_angle_deg: Annotated[
+        float | None,
+        typer.Option("--tip-angle-deg", metavar="A", help="Its cone's full angle [default: 60]."),
+    ] = None,
+    correct: Annotated[
+        bool,
+        typer.Option("--correct", help="Set sign and scale right by pitch and depth."),
+    ] = False,
     widths: Annotated[int, typer.Option("--widths", min=2, help="Prism widths fitted.")] = 2,
     json: Json = False,
 ) -> int:
@@ -49,7 +71,8 @@ def command(
     if out is not None and any(ratio is None for _, ratio in rows):
         raise InputError("--out: an aperture ratio must be given for each file")
     groove = Groove(pitch_um * um, depth_um * um)
-    traces = [read_stylus_trace(path, groove, widths) for path, _ in rows]
+    option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct)
+    traces = [read_stylus_trace(path, groove, widths, option) for path, _ in rows]
     fits = [fit_stylus_trace(trace, groove, prism_widths=widths) for trace in traces]
     if out is not None:
         write_process(
@@ -62,7 +85,8 @@ def command(
             groove,
         )
     figures = [
-        _figures(path, ratio, fit, groove) for (path, ratio), fit in zip(rows, fits, strict=True)
+        _figures(path, ratio, trace, fit, groove)
+        for (path, ratio), trace, fit in zip(rows, traces, fits, strict=True)
     ]
     if json:
         document = {"schema": 1, "prism_widths": widths, "traces": figures}
@@ -70,6 +94,34 @@ def command(
     else:
         _print_table(figures, out)
     return 0
+
+
+def _option(
+    unit: str | None,
+    columns: str | None,
+    tip_radius_um: float | None,
+    tip_angle_deg: float | None,
+    correct: bool,
+) -> "ReadingOption":
+    """Return what the user states over what the files say."""
+    from mpfcad.errors import InputError
+    from mpfcad.film import ReadingOption, StylusTip, parse_columns, parse_units
+    from mpfcad.units import deg, um
+
+    tip = None
+    if tip_angle_deg is not None and tip_radius_um is None:
+        raise InputError("--tip-angle-deg: without --tip-radius-um: expected both")
+    if tip_radius_um is not None:
+        if not 0 <= tip_radius_um <= 100:
+            raise InputError(f"--tip-radius-um: {tip_radius_um:g}: expected 0 … 100")
+        angle = 60.0 if tip_angle_deg is None else tip_angle_deg
+        if not 10 <= angle <= 150:
+            raise InputError(f"--tip-angle-deg: {angle:g}: expected 10 … 150")
+        tip = StylusTip(tip_radius_um * um, angle * deg)
+    return ReadingOption(
+        parse_units(unit) if unit else None, parse_columns(columns) if columns else None,
+        correct, tip,
+    )  # fmt: skip
 
 
 def _read_coupons(
@@ -86,14 +138,14 @@ def _read_coupons(
         rows = _read_list(coupons)
     elif aperture and len(aperture) != len(files):
         raise InputError(
-            f"--aperture: {len(aperture)} for {len(files)} files: allowed none or one a file"
+            f"--aperture: {len(aperture)} for {len(files)} files: expected none or one a file"
         )
     else:
         ratios: list[float | None] = list(aperture) if aperture else [None] * len(files)
         rows = list(zip(files, ratios, strict=True))
     for path, ratio in rows:
         if ratio is not None and not 0 < ratio <= 1:
-            raise InputError(f"{path}: aperture_ratio {ratio:g}: allowed above 0, up to 1")
+            raise InputError(f"{path}: aperture_ratio {ratio:g}: expected above 0, up to 1")
     return rows
 
 
@@ -108,7 +160,7 @@ def _read_list(path: Path) -> list[tuple[Path, float | None]]:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     if not rows or rows[0] != ["file", "aperture_ratio"]:
-        raise InputError(f"{path}: row 1: header: allowed 'file,aperture_ratio'")
+        raise InputError(f"{path}: row 1: header: expected 'file,aperture_ratio'")
     found: list[tuple[Path, float | None]] = []
     for number, row in enumerate(rows[1:], 2):
         try:
@@ -117,19 +169,22 @@ def _read_list(path: Path) -> list[tuple[Path, float | None]]:
         except ValueError:
             text = ",".join(row)
             raise InputError(
-                f"{path}: row {number}: {text!r}: allowed a file and a number"
+                f"{path}: row {number}: {text!r}: expected a file and a number"
             ) from None
     if not found:
-        raise InputError(f"{path}: no rows: allowed 1 or more")
+        raise InputError(f"{path}: no rows: expected 1 or more")
     return found
 
 
-def _figures(path: Path, ratio: float | None, fit: "StylusFit", groove: "Groove") -> dict[str, Any]:
+def _figures(
+    path: Path, ratio: float | None, trace: "StylusTrace", fit: "StylusFit", groove: "Groove"
+) -> dict[str, Any]:
     from mpfcad.units import deg, um
 
     fill = [float(groove.fill_fraction(c)) for c in _bounds(fit.curvature)]
     return {
         "file": str(path),
+        "reading": trace.reading,
         "aperture_ratio": ratio,
         "curvature_per_mm": _entry(_bounds(fit.curvature)),
         "fitted_curvature_per_mm": _entry(_bounds(fit.fitted_curvature)),
@@ -151,6 +206,8 @@ def _entry(bounds: list[float]) -> dict[str, Any]:
 
 
 def _print_table(figures: list[dict[str, Any]], out: Path | None) -> None:
+    for row in figures:
+        print(row["reading"])
     print(_HEADER)
     for row in figures:
         cells = []

@@ -30,7 +30,14 @@ from mpfcad.film.process.model import Process, check_aperture_ratio, check_print
 from mpfcad.film.process.write import Coupon, write_process
 from mpfcad.film.section import Section
 from mpfcad.film.stylus.fit import Interval, StylusFit, fit_stylus_trace
-from mpfcad.film.stylus.trace import StylusTrace, read_stylus_trace
+from mpfcad.film.stylus.reading import (
+    ReadingOption,
+    parse_columns,
+    parse_units,
+    read_stylus_trace,
+)
+from mpfcad.film.stylus.tip import StylusTip
+from mpfcad.film.stylus.trace import StylusTrace
 
 __all__ = [
     "PROFILES",
@@ -50,9 +57,11 @@ __all__ = [
     "PrismFilm",
     "Process",
     "Profile",
+    "ReadingOption",
     "Repeat",
     "Section",
     "StylusFit",
+    "StylusTip",
     "StylusTrace",
     "average_groove",
     "build_curvature_map",
@@ -64,6 +73,8 @@ __all__ = [
     "fit_stylus_trace",
     "groove_ranges",
     "is_field_file",
+    "parse_columns",
+    "parse_units",
     "read_curvature_field",
     "read_curvature_table",
     "read_process",

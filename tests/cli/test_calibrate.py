@@ -53,7 +53,7 @@ def test_calibration_file(traces, capsys, way):
     assert run_app(["calibrate", *arguments, "--out", "process.toml"]) == 0
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1] == "process.toml"
-    assert len(printed.splitlines()) == 5
+    assert len(printed.splitlines()) == 8
     process = read_process(traces / "process.toml", BEF)
     ratio, curvature = zip(*TRUTH.values(), strict=True)
     assert process.curvature(ratio) == pytest.approx(curvature, abs=0.2)
@@ -69,7 +69,7 @@ def test_calibration_file(traces, capsys, way):
         (["a.csv", "--aperture", "0"], "a.csv: aperture_ratio 0"),
         (["a.csv", "--aperture", "0.1", "--out", "p.toml"], "two or more"),
         (["--coupons", "a.csv"], "a.csv: row 1: header"),
-        (["a.csv", "--widths", "3"], "a.csv: x_um: 119.8 µm long: allowed 150 µm"),
+        (["a.csv", "--widths", "3"], "a.csv: x_um: 119.8 µm long: expected 150 µm"),
         (["a.csv", "--pitch-um", "35"], "a.csv: z_um: residual"),
     ],
 )

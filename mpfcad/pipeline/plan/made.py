@@ -35,7 +35,7 @@ def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:
     if table.measured_file is None:
         return None
     groove = table.groove
-    trace = read_stylus_trace(job_file.parent / table.measured_file, groove)
+    trace = read_stylus_trace(job_file.parent / table.measured_file, groove, profile=table.profile)
     return average_groove(trace, groove, table.profile)
 
 

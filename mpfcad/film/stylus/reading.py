@@ -1,0 +1,254 @@
+"""A stylus trace from a file of any kind, and the line that says what was understood."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.stylus.column import find_profile
+from mpfcad.film.stylus.instrument_file import is_instrument_file, read_instrument_file
+from mpfcad.film.stylus.profile import RawProfile, tidy
+from mpfcad.film.stylus.scale import SHOWN, Shape, fitting_units, is_plausible, read_shape
+from mpfcad.film.stylus.text import read_table
+from mpfcad.film.stylus.tip import StylusTip
+from mpfcad.film.stylus.trace import StylusTrace, check_sampling
+from mpfcad.film.stylus.unit import UNITS, parse_unit
+from mpfcad.units import deg, um
+
+
+@dataclass(frozen=True)
+class ReadingOption:
+    """What a user states over what a file says.
+
+    Attributes
+    ----------
+    units
+        of position and height, keys of `UNITS`
+    columns
+        of position and height, from 1
+    correct
+        whether sign and unit are set right by pitch and depth, instead of refused
+    tip
+        the stylus's
+    """
+
+    units: tuple[str, str] | None = None
+    columns: tuple[int, int] | None = None
+    correct: bool = False
+    tip: StylusTip | None = None
+
+
+def parse_units(text: str) -> tuple[str, str]:
+    """Return the units of position and height that `um` or `mm,um` names.
+
+    Raises
+    ------
+    InputError
+        naming the option when a word is no unit.
+    """
+    words = text.split(",")
+    if len(words) > 2:
+        raise InputError(f"--unit: {text!r}: expected one unit, or X,Z")
+    try:
+        names = [parse_unit(word) for word in words]
+    except ValueError as error:
+        raise InputError(f"--unit: {error}") from None
+    return names[0], names[-1]
+
+
+def parse_columns(text: str) -> tuple[int, int]:
+    """Return the columns of position and height, from 1, that `X,Z` names.
+
+    Raises
+    ------
+    InputError
+        naming the option.
+    """
+    try:
+        x, z = (int(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(f"--columns: {text!r}: expected X,Z, two whole numbers") from None
+    return x, z
+
+
+def read_stylus_trace(
+    path: Path,
+    groove: Groove,
+    prism_widths: int = 2,
+    option: ReadingOption | None = None,
+    profile: Profile = "filled",
+) -> StylusTrace:
+    """Read a stylus trace from a text file or an instrument's, [mm], tips up, x increasing.
+
+    Delimiter, decimal mark, encoding, columns, units, direction and tip come from the file, and
+    are stated in the trace's `reading`. Pitch and depth check the scale.
+
+    Raises
+    ------
+    InputError
+        one line with file, row, value and what was expected; where two readings fit, both.
+    """
+    path, option = Path(path), option or ReadingOption()
+    if not path.is_file():
+        raise InputError(f"{path}: no such file: expected a stylus trace")
+    raw = tidy(path, _read_raw(path, option))
+    try:
+        return _scaled(path, raw, groove, prism_widths, option, profile)
+    except InputError as error:
+        read = ", ".join(raw.words)
+        raise InputError(f"{error} (read as {read}, {len(raw.position):,} points)") from None
+
+
+def _scaled(
+    path: Path,
+    raw: RawProfile,
+    groove: Groove,
+    prism_widths: int,
+    option: ReadingOption,
+    profile: Profile,
+) -> StylusTrace:
+    """Return the trace in mm, tips up, once its units and its scale are known."""
+    if len(raw.position) < 8:
+        raise InputError(f"{path}: {len(raw.position)} rows: expected 40 or more")
+    raw, said = _with_units(path, raw, option, groove, profile)
+    x = raw.position * UNITS[str(raw.position_unit)]
+    z = raw.height * UNITS[str(raw.height_unit)]
+    check_sampling(path, x, list(raw.lines or []), groove.pitch, prism_widths)
+    tip = option.tip or raw.tip
+    z, corrected = _upright(path, x, z, replace(raw, tip=tip), option, groove, profile)
+    words = [*raw.words[:1], said, *raw.words[1:], f"{len(x):,} points"]
+    words += [corrected] if corrected else []
+    words.append(_tip_words(tip, option.tip is not None))
+    return StylusTrace(x, z, path.name, tip, f"read {path.name}: {', '.join(words)}")
+
+
+def _read_raw(path: Path, option: ReadingOption) -> RawProfile:
+    with path.open("rb") as file:
+        start = file.read(16)
+    if is_instrument_file(path, start):
+        return read_instrument_file(path)
+    return find_profile(path, read_table(path), option.columns)
+
+
+def _with_units(
+    path: Path, raw: RawProfile, option: ReadingOption, groove: Groove, profile: Profile
+) -> tuple[RawProfile, str]:
+    """Return the profile with both units known, and how they are."""
+    if option.units is not None:
+        x, z = option.units
+        return replace(raw, position_unit=x, height_unit=z), _pair(x, z) + " as told"
+    if raw.position_unit and raw.height_unit:
+        return raw, _pair(raw.position_unit, raw.height_unit)
+    pairs = fitting_units(raw.position, raw.height, groove, profile, option.tip or raw.tip)
+    stated = (raw.position_unit, raw.height_unit)
+    pairs = [p for p in pairs if all(s in (None, own) for s, own in zip(stated, p, strict=True))]
+    if len(pairs) != 1:
+        readings = " or ".join(_pair(*pair) for pair in pairs) or "no unit"
+        raise InputError(
+            f"{path}: no unit stated{_one_stated(stated)}, and of µm, mm, nm, Å and m {readings} "
+            f"shows grooves of pitch {groove.pitch / um:g} µm and depth {groove.depth / um:g} µm: "
+            "expected a header with units, or --unit X,Z"
+        )
+    x, z = pairs[0]
+    return (
+        replace(raw, position_unit=x, height_unit=z),
+        f"{_pair(x, z)} by pitch and depth (not stated)",
+    )
+
+
+def _pair(x: str, z: str) -> str:
+    return x if x == z else f"x {x} and z {z}"
+
+
+def _one_stated(stated: tuple[str | None, str | None]) -> str:
+    return "".join(f" (but {axis} {unit})" for axis, unit in zip("xz", stated, strict=True) if unit)
+
+
+def _upright(
+    path: Path,
+    x: NDArray[np.float64],
+    z: NDArray[np.float64],
+    raw: RawProfile,
+    option: ReadingOption,
+    groove: Groove,
+    profile: Profile,
+) -> tuple[NDArray[np.float64], str]:
+    """Return heights of the right sign and size, and what was corrected ("" nothing).
+
+    Raises
+    ------
+    InputError
+        naming what is wrong, unless it shall be corrected.
+    """
+    shape = read_shape(x, z, groove, profile, raw.tip)
+    faults: list[str] = []
+    if shape.explained < SHOWN:
+        other = _other_units(raw, groove, profile)
+        if other:
+            raise InputError(
+                f"{path}: no grooves of pitch {groove.pitch / um:g} µm with positions in "
+                f"{raw.position_unit}; as {other} there are: expected --unit {_option(other)}"
+            )
+        return z, ""  # the fit says what it shows instead
+    if shape.sign < 0:
+        z = -z
+        faults.append("z upside down: the grooves' sharp edges point down")
+    if not is_plausible(shape, groove, profile):
+        factor, words = _height_factor(shape, raw, groove, profile)
+        if not (factor and option.correct):
+            size = shape.relief / um
+            raise InputError(
+                f"{path}: relief {size:.4g} µm with z in {raw.height_unit}, depth "
+                f"{groove.depth / um:g} µm: {words}: expected heights of the grooves; "
+                + (f"--correct takes them times {factor:g}, or --unit says it" if factor else
+                   "is --depth-um right, and z in its unit?")
+            )  # fmt: skip
+        z = z * factor
+        faults.append(words)
+    if faults and not option.correct:
+        raise InputError(
+            f"{path}: {faults[0]}: expected tips up: --correct turns it, or is it a mould's trace?"
+        )
+    return z, ", ".join(f"{fault} (corrected)" for fault in faults)
+
+
+def _height_factor(
+    shape: Shape, raw: RawProfile, groove: Groove, profile: Profile
+) -> tuple[float, str]:
+    """Return by what heights must be multiplied to be the grooves', 0 if nothing is, and why."""
+    fits = []
+    for factor in (1e-4, 1e-3, 1e-1, 1e1, 1e3, 1e4):
+        scaled = replace(
+            shape,
+            gain=None if shape.gain is None else shape.gain * factor,
+            relief=shape.relief * factor,
+        )
+        close = shape.gain is None or 0.8 < shape.gain * factor < 1.25
+        if close and is_plausible(scaled, groove, profile):
+            fits.append(factor)
+    if len(fits) != 1:
+        reading = " or ".join(f"{factor:g}" for factor in fits)
+        return 0.0, f"z is not in that unit{': times ' + reading if reading else ''}"
+    size = UNITS[str(raw.height_unit)] * fits[0]
+    names = [name for name, unit in UNITS.items() if abs(unit / size - 1) < 1e-9]
+    what = f"z is in {names[0]}" if names else f"z is {1 / fits[0]:g} times its size"
+    return fits[0], what
+
+
+def _other_units(raw: RawProfile, groove: Groove, profile: Profile) -> tuple[str, str] | None:
+    pairs = fitting_units(raw.position, raw.height, groove, profile, raw.tip)
+    return pairs[0] if len(pairs) == 1 else None
+
+
+def _option(pair: tuple[str, str]) -> str:
+    return ",".join({"µm": "um", "Å": "A"}.get(unit, unit) for unit in pair)
+
+
+def _tip_words(tip: StylusTip | None, told: bool) -> str:
+    if tip is None:
+        return "tip not stated"
+    angle = f", {tip.angle / deg:g}°"
+    return f"tip {tip.radius / um:g} µm{angle} {'as told' if told else 'from its header'}"
