@@ -54,9 +54,9 @@ def cut_profile(path: Path, area: ArealMap) -> tuple[NDArray[np.float64], NDArra
         line = np.nanmean(z, axis=1 - flat)
         step = (area.step_y if flat == 0 else area.step_x) * stride
         return np.arange(len(line)) * step, line, "map of one line"
-    step = np.array([area.step_x, area.step_y]) * stride
+    steps: NDArray[np.float64] = np.array([area.step_x, area.step_y]) * stride
     filled = np.where(np.isfinite(z), z, np.nanmean(z))
-    slope_y, slope_x = np.gradient(filled, step[1], step[0])
+    slope_y, slope_x = np.gradient(filled, steps[1], steps[0])
     xx, yy, xy = (float(np.mean(p)) for p in (slope_x**2, slope_y**2, slope_x * slope_y))
     spread = np.hypot(xx - yy, 2 * xy)
     if xx + yy == 0 or (1 + spread / (xx + yy)) / 2 < _ONE_WAY:
@@ -65,13 +65,13 @@ def cut_profile(path: Path, area: ArealMap) -> tuple[NDArray[np.float64], NDArra
             "everywhere: expected grooves of one direction"
         )
     angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-    level = _levelled(filled, step)
+    level = _levelled(filled, steps)
     tried = angle + (np.arange(_TURNS) - _TURNS // 2) * _TURN
     quarter = np.round(angle / (np.pi / 2)) * np.pi / 2
     tried = np.append(tried[np.abs(tried - quarter) > _TURN / 2], quarter)
     sample = max(1, int(np.sqrt(z.size / 250_000)))
-    angle = max(tried, key=lambda a: _variance(level, step, float(a), sample))
-    position, height = _binned(z, step, float(angle), 1)
+    angle = max(tried, key=lambda a: _variance(level, steps, float(a), sample))
+    position, height = _binned(z, steps, float(angle), 1)
     degrees = np.degrees(angle)
     return position, height, (
         f"map of {area.height.shape[1]} × {area.height.shape[0]}, cut across its grooves at "

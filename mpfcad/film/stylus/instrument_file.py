@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.stylus.areal import ArealMap, cut_profile
@@ -74,7 +75,7 @@ def read_instrument_file(path: Path) -> RawProfile:
     if len(names) > 1:
         words.append(f"channel {names[0]!r} of {len(names)}")
     unit = find_unit(str(surface.unit)) if surface.unit is not None else None
-    height = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan)
+    height: NDArray[np.float64] = np.ma.filled(np.ma.asarray(surface.heights(), float), np.nan)
     if surface.dim == 1:
         position = np.asarray(surface.positions(), float)
         return RawProfile(position, height, unit, unit, None, words)
