@@ -51,9 +51,9 @@ def cut_profile(path: Path, area: ArealMap) -> tuple[NDArray[np.float64], NDArra
     z = z[::stride, ::stride]
     if min(z.shape) < 3:
         flat = int(np.argmax(z.shape))
-        line = np.nanmean(z, axis=1 - flat)
+        line: NDArray[np.float64] = np.nanmean(z, axis=1 - flat)
         step = (area.step_y if flat == 0 else area.step_x) * stride
-        return np.arange(len(line)) * step, line, "map of one line"
+        return np.arange(len(line), dtype=np.float64) * step, line, "map of one line"
     steps: NDArray[np.float64] = np.array([area.step_x, area.step_y]) * stride
     filled = np.where(np.isfinite(z), z, np.nanmean(z))
     slope_y, slope_x = np.gradient(filled, steps[1], steps[0])

@@ -74,7 +74,7 @@ def find_profile(path: Path, table: NumberTable, columns: tuple[int, int] | None
     if step is not None and not named and (count == 1 or _is_index(values[:, 0])):
         heights = [i for i in useful if i not in index] or [count - 1]
         at = _one_height(path, table, heights)
-        x: NDArray[np.float64] = np.arange(len(values)) * step[0]
+        x: NDArray[np.float64] = np.arange(len(values), dtype=np.float64) * step[0]
         words.append(f"step {step[0]:g} from its header")
         unit = find_unit(table.names[at])
         return RawProfile(x, values[:, at], step[1], unit, table.lines, words, tip)
