@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     )
     from mpfcad.errors import ExportError, GeometryError, InputError, TraceError
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Design",
     "DesignResult",

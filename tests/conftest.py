@@ -1,8 +1,7 @@
-"""Keeps compiled kernels between runs, but never those of other sources.
+"""Keeps compiled kernels between runs, in the way that the package does, but apart from the user's.
 
-numba's cache looks only at the file of the compiled function, not at what it calls: after a change
-in `film.py` the cached `engine.trace_paths` would still hold the old film. So the cache's folder is
-named for the text of all kernels: the files of `optics`, and all others that compile something.
+The package's own kernels are kept under the text of all kernels. The tests' own call those, and
+numba's cache does not know it: so the folder too is named for that text and for the tests'.
 """
 
 import hashlib
@@ -12,16 +11,15 @@ from pathlib import Path
 
 from hypothesis import settings
 
+from mpfcad.store import kernel_hash
+
 _HERE = Path(__file__).parent
 
 
 def _kernels() -> str:
-    package = _HERE.parent / "mpfcad"
-    text = {p: p.read_bytes() for folder in (package, _HERE) for p in sorted(folder.rglob("*.py"))}
-    digest = hashlib.sha256()
-    for path, source in text.items():
-        optics = path.is_relative_to(package / "optics")
-        if optics or b"njit" in source or b"optics.base.kernel" in source:
+    digest = hashlib.sha256(kernel_hash().encode())
+    for path in sorted(_HERE.rglob("*.py")):
+        if b"njit" in (source := path.read_bytes()):
             digest.update(source)
     return digest.hexdigest()[:16]
 
@@ -29,7 +27,7 @@ def _kernels() -> str:
 _KERNELS = Path(tempfile.gettempdir()) / f"mpfcad-kernels-{_kernels()}"
 os.environ["NUMBA_CACHE_DIR"] = str(_KERNELS)
 
-# What interrupted traces leave goes into a folder of this test run, never into the user's.
+# What is kept of finished work goes into a folder of this test run, never into the user's.
 _CACHE = tempfile.TemporaryDirectory(prefix="mpfcad-cache-")
 os.environ["MPFCAD_CACHE"] = _CACHE.name
 

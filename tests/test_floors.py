@@ -16,6 +16,7 @@ FLOOR = {
     "units": 0,
     "errors": 0,
     "compiling": 0,
+    "store": 1,
     "film": 1,
     "mask": 2,
     "cad": 2,

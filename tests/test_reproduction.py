@@ -187,10 +187,10 @@ def test_a_demand_is_met_by_value_and_by_interval_apart():
 
 def test_a_kept_figure_is_of_the_code_that_made_it(tmp_path, monkeypatch):
     monkeypatch.setattr(film_case, "CACHE", tmp_path)
-    monkeypatch.setattr(film_case, "code_hash", lambda: "old")
+    monkeypatch.setattr(film_case, "code_hash", lambda *packages: "old")
     assert keep("case", [1], lambda: {"figure": 1}) == {"figure": 1}
     assert keep("case", [1], lambda: {"figure": 2}) == {"figure": 1}
-    monkeypatch.setattr(film_case, "code_hash", lambda: "new")
+    monkeypatch.setattr(film_case, "code_hash", lambda *packages: "new")
     assert keep("case", [1], lambda: {"figure": 3}) == {"figure": 3}
 
 

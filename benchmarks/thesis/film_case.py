@@ -10,10 +10,12 @@ import numpy as np
 
 from mpfcad.backlight import Quantity, Stack, read_stack
 from mpfcad.backlight.lower import lower_stack
-from mpfcad.measure.checkpoint import code_hash
+from mpfcad.store import code_hash
 
 #: Where meshes and finished traces are kept; git ignores it.
 CACHE = Path(__file__).parents[2] / "exports" / "reproduction"
+#: The packages that decide a traced figure.
+_CODE = ("optics", "backlight", "measure")
 PITCH, DEPTH, BASE, LENGTH = 0.050, 0.025, 0.2, 2.0
 #: A uniform film repeats after any number of grooves; twenty make the meter's spot.
 GROOVES = 20
@@ -105,7 +107,7 @@ def trace_points(case: Case, values: dict[str, float], blocks: int, seed: int) -
 
 def keep(kind: str, identity: object, make) -> dict:
     """Return what `make()` returns, from disk if the same code made the same identity before."""
-    text = json.dumps([code_hash(), identity], sort_keys=True)
+    text = json.dumps([code_hash(*_CODE), identity], sort_keys=True)
     path = CACHE / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:20]}.json"
     if path.exists():
         return json.loads(path.read_text("utf-8"))

@@ -7,6 +7,7 @@ import typer
 
 from mpfcad.cli import (
     bsdf,
+    cache,
     cad,
     calibrate,
     compare,
@@ -65,7 +66,7 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, design, sweep, bsdf, calibrate, stacks,
-    init,
+    cache, init,
 )  # fmt: skip
 
 for command in _COMMANDS:

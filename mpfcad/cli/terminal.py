@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpfcad import compiling
+from mpfcad.store.notice import listeners
 
 if TYPE_CHECKING:
     from mpfcad.measure import TraceState
@@ -42,6 +43,8 @@ class Terminal:
     def __enter__(self) -> "Terminal":
         compiling.watchers.append(self.compiling)
         self._resources.callback(compiling.watchers.remove, self.compiling)
+        listeners.append(self.note)
+        self._resources.callback(listeners.remove, self.note)
         if self._live:
             self._bar = self._resources.enter_context(_live_bar())
             self._task = self._bar.add_task("starting", total=None, note="")

@@ -10,6 +10,7 @@ from mpfcad.optics.base.sampling import disk, start_path, uniform
 from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.passage import pass_element
+from mpfcad.store.kernel import kept
 
 #: Streams of random numbers, apart from those of the engine's sources.
 WORLD_STREAM, FILM_STREAM, METER_STREAM = 101, 102, 103
@@ -66,7 +67,8 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
     return GONE, x, dx, dy, 0.0, radiance
 
 
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+@kept
+@njit(nogil=True, error_model="numpy", _nrt=False)
 def trace_world(
     scene, film, up, pitch, cells, number, corner, seed, first, samples, rng, flow,
     target, weight, radiance,
@@ -99,7 +101,8 @@ def trace_world(
                     target[cell, d, s] = arrival + (0 if side == BELOW else cells * d_count)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+@kept
+@njit(nogil=True, error_model="numpy", _nrt=False)
 def trace_film(
     scene, film, acceptance, number, corner, seed, first, samples, rng, flow, found
 ):  # fmt: skip
@@ -130,7 +133,8 @@ def trace_film(
                 found[row, column] += weight
 
 
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+@kept
+@njit(nogil=True, error_model="numpy", _nrt=False)
 def trace_meter(scene, film, acceptance, number, seed, samples, rng, flow, found):
     """Send `samples` rays of the meter down to the film; found (d,) gets where they meet it."""
     for s in range(samples):

@@ -9,7 +9,7 @@ until their figures are known well enough: `luminance_over_pitch` with the lamp-
 from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_luminance
 from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.camera import CameraResult, camera_image
-from mpfcad.measure.checkpoint import Checkpoints, case_hash
+from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.contrast.contrast import contrast_of_harmonics
 from mpfcad.measure.contrast.fit import fit_harmonics
 from mpfcad.measure.contrast.harmonic import harmonic_amplitude, relative_spread
@@ -37,7 +37,6 @@ __all__ = [
     "UniformityResult",
     "angular_luminance",
     "camera_image",
-    "case_hash",
     "check_finite",
     "conoscope",
     "contrast_of_harmonics",

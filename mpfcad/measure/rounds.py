@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
-from mpfcad.measure.checkpoint import Checkpoints, array_hash, case_hash
+from mpfcad.measure.checkpoint import Checkpoints
+from mpfcad.store import array_hash, value_hash, work_key
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
@@ -111,11 +112,16 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     case = {
         "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,
-        "layers": list(stack.layers),
-        "values": {name: entry.value for name, entry in stack.quantity.items()},
+        "stack": value_hash(_by_value(stack)),
         "scene": array_hash(scene),
     }
     return Lit(stack, elements, scene, case, str(mesh_path or stack.name))
+
+
+def _by_value(stack: Stack) -> list[Any]:
+    """Return a stack with the files of its own layers by their content, not by where they lie."""
+    own = {name: replace(layer, file=None) for name, layer in stack.own.items()}
+    return [replace(stack, own=own), stack.files()]
 
 
 def trace_rounds(
@@ -141,8 +147,8 @@ def trace_rounds(
 
     points = len(source.position)
     limit = run.path_limit
-    case = case_hash(
-        {**lit.case, **source._asdict(), "seed": run.seed, "goal": goal, "limit": limit}
+    case = work_key(
+        "trace", {**lit.case, "source": source, "seed": run.seed, "goal": goal, "limit": limit}
     )
     empty = Tally.empty(points, len(FLOWS) + len(lit.elements))
     tally = run.checkpoints.read(case) or empty

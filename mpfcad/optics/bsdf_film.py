@@ -19,6 +19,7 @@ from mpfcad.optics.element import Film
 from mpfcad.optics.passage import pass_element
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.solid.mesh import FilmMesh
+from mpfcad.store.kernel import kept
 
 _STREAM = 12
 _MOST_LOST = 1e-6
@@ -112,7 +113,8 @@ def trace_film_bsdf(
     return FilmBsdf(traced.made_reciprocal(), rays, traced)
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
+@kept
+@njit(nogil=True, error_model="numpy")
 def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
     """Trace rays from incidence bin i; number (2n+1,) gets how many left where, lost ones last."""
     edge, azimuths, first, ring_of = bins

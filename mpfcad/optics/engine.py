@@ -42,6 +42,7 @@ from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
+from mpfcad.store.kernel import kept
 
 #: Paths of one point in one block.
 BLOCK = NET
@@ -166,7 +167,8 @@ def _go_on(scene, e, slot, wave, flow):
     return True
 
 
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+@kept
+@njit(nogil=True, error_model="numpy", _nrt=False)
 def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 

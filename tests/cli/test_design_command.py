@@ -1,6 +1,7 @@
 """`mpfcad design` and `mpfcad sweep` through the command line: files, resuming, refusals."""
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -45,7 +46,8 @@ paths_million = 0.02
 
 
 @pytest.mark.slow
-def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path):
+def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     (tmp_path / "design.toml").write_text(DESIGN.format(profile="filled"))
     arguments = ("design", "design.toml", "--no-verify")
     result = mpfcad(*arguments, "--threads", "1", cwd=tmp_path)
@@ -65,9 +67,9 @@ def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path):
     assert curvature == pytest.approx(curvature[::-1])
 
     # As if it had been killed in the second trace.
-    kept = tmp_path / "exports" / ".slim-design.traces.json"
-    state = json.loads(kept.read_text())
-    kept.write_text(json.dumps({**state, "traces": state["traces"][:1]}))
+    traces = sorted((tmp_path / "cache" / "design").iterdir(), key=lambda p: p.stat().st_ctime_ns)
+    for later in traces[1:]:
+        later.unlink()
     result = mpfcad(*arguments, "--threads", "2", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "tracing iteration 2" in result.stderr and "tracing iteration 1" not in result.stderr
@@ -91,13 +93,14 @@ def test_what_is_wrong_with_a_design_is_said_in_one_line(tmp_path, change, words
     assert not (tmp_path / "exports").exists()
 
 
-def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path):
+def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
     import xarray
 
+    monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     (tmp_path / "sweep.toml").write_text(SWEEP)
     result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    out, points = tmp_path / "exports" / "few-sweep", tmp_path / "exports" / ".few-sweep.points"
+    out, points = tmp_path / "exports" / "few-sweep", tmp_path / "cache" / "point"
     whole = content(out)
     assert len(list(points.iterdir())) == 4
     data = xarray.open_dataset(out / "sweep.nc", engine="scipy")
@@ -141,9 +144,12 @@ def start_sweep(folder, out, *options):
     """Start a sweep and return its process once the first point is on the disk."""
     code = "from mpfcad.cli import main; main()"
     command = [sys.executable, "-c", code, "sweep", "sweep.toml", "--out", out, *options]
-    process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
-    points = folder / f".{out}.points"
-    while process.poll() is None and not any(points.glob("[!.]*")):
+    cache = folder / f"{out}-cache"
+    environment = {**os.environ, "MPFCAD_CACHE": str(cache)}
+    process = subprocess.Popen(
+        command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True
+    )
+    while process.poll() is None and not any((cache / "point").glob("[!.]*")):
         time.sleep(0.05)
     return process
 

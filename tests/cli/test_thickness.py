@@ -133,7 +133,8 @@ def test_a_sweep_over_thickness_and_lamps_says_which_thickness_serves(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_path):
+def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     (tmp_path / "design.toml").write_text(RANGE)
     arguments = ("design", "design.toml", "--no-verify", "--threads", "1")
     result = mpfcad(*arguments, cwd=tmp_path, timeout=1800)
@@ -155,8 +156,10 @@ def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_pa
     assert f"Least thickness that serves, of 8 … 20 mm: {least:g} mm." in result.stdout
     assert "conventional stack's" in result.stdout
 
-    # As if it had been killed before the traces of that thickness.
-    (tmp_path / "exports" / f".least-design-{least:g}mm.traces.json").unlink()
+    # As if it had been killed before the traces of that thickness, which are the first.
+    traces = sorted((tmp_path / "cache" / "design").iterdir(), key=lambda p: p.stat().st_mtime_ns)
+    for path in traces[: len(json.loads(whole["design.json"])["iterations"])]:
+        path.unlink()
     result = mpfcad(*arguments, cwd=tmp_path, timeout=1800)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("tracing iteration 1") == 1

@@ -5,8 +5,8 @@ import pytest
 from harness import film_file, groove
 
 from mpfcad.backlight import read_stack
-from mpfcad.errors import InputError
 from mpfcad.measure import Checkpoints, TraceRun, light_film, luminance_over_pitch
+from mpfcad.store import Store
 
 GOAL, LIMIT = 1e-9, 700_000
 
@@ -18,7 +18,7 @@ def lit(tmp_path_factory):
 
 
 def traced(lit, folder, progress=None, **run):
-    with Checkpoints(folder) as checkpoints:
+    with Checkpoints(Store(folder)) as checkpoints:
         setting = TraceRun(**{"seed": 5, "path_limit": LIMIT, **run}, checkpoints=checkpoints,
                            progress=progress)  # fmt: skip
         return luminance_over_pitch(lit, setting, half_width_goal=GOAL)
@@ -41,12 +41,16 @@ def leave_half(lit, folder, **run):
     """Interrupt a trace of three rounds in its third one."""
     with pytest.raises(KeyboardInterrupt):
         traced(lit, folder, interrupt_after(600_000), **run)
-    return sorted(folder.iterdir())
+    return entries(folder)
+
+
+def entries(folder):
+    return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
 def test_a_resumed_trace_has_the_bits_of_an_uninterrupted_one(tmp_path, lit, whole):
     (left,) = leave_half(lit, tmp_path)
-    assert left.suffix == ".npz"
+    assert left == Store(tmp_path).path("trace", left.stem)
     seen = []
     resumed = traced(lit, tmp_path, seen.append, threads=2)
     # It went on after two rounds of 16 blocks of 33 · 512 paths …
@@ -55,11 +59,11 @@ def test_a_resumed_trace_has_the_bits_of_an_uninterrupted_one(tmp_path, lit, who
     assert np.array_equal(resumed.luminance, whole.luminance)
     assert np.array_equal(resumed.standard_error, whole.standard_error)
     assert (resumed.contrast, resumed.paths) == (whole.contrast, whole.paths)
-    assert not list(tmp_path.iterdir())
+    assert not entries(tmp_path)
 
 
 def test_a_finished_trace_waits_for_the_rest_of_the_work(tmp_path, lit, whole):
-    with pytest.raises(KeyboardInterrupt), Checkpoints(tmp_path) as checkpoints:
+    with pytest.raises(KeyboardInterrupt), Checkpoints(Store(tmp_path)) as checkpoints:
         run = TraceRun(5, path_limit=LIMIT, checkpoints=checkpoints)
         luminance_over_pitch(lit, run, half_width_goal=GOAL)
         raise KeyboardInterrupt
@@ -75,7 +79,7 @@ def test_another_trace_does_not_take_it(tmp_path, lit, other):
     seen = []
     traced(lit, tmp_path, seen.append, **other)
     assert seen[0].start == 0
-    assert list(tmp_path.iterdir()) == [left]
+    assert entries(tmp_path) == [left]
 
 
 def test_another_film_or_backlight_does_not_take_it(tmp_path, lit):
@@ -86,10 +90,14 @@ def test_another_film_or_backlight_does_not_take_it(tmp_path, lit):
     assert len({str(case) for case in cases}) == 4
 
 
-def test_a_damaged_checkpoint_is_named_not_used(tmp_path, lit):
+def test_a_damaged_checkpoint_is_said_and_traced_again(tmp_path, lit, whole, capsys):
     (left,) = leave_half(lit, tmp_path)
     content = bytearray(left.read_bytes())
     content[len(content) // 2] ^= 1
     left.write_bytes(content)
-    with pytest.raises(InputError, match="damaged checkpoint"):
-        traced(lit, tmp_path)
+    seen = []
+    again = traced(lit, tmp_path, seen.append)
+    assert seen[0].start == 0 and np.array_equal(again.luminance, whole.luminance)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(left) in line and "does not verify" in line and "computed again" in line
+    assert entries(tmp_path) == [left.with_suffix(".damaged")]

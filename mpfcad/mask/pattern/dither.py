@@ -19,6 +19,7 @@ from mpfcad.mask.aperture import Mask, blocks
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.pattern.ratio import CellRatio
 from mpfcad.mask.rule import GRID
+from mpfcad.store.kernel import kept
 
 #: Share of the threshold that is random, and by how much a dot in the groove before raises it.
 NOISE, REPULSION = 0.2, 0.3
@@ -133,7 +134,8 @@ def dither(ratio: CellRatio, full: float) -> NDArray[np.uint8]:
     return packed
 
 
-@nb.njit(cache=True, nogil=True)
+@kept
+@nb.njit(nogil=True)
 def _diffuse(density, first, before, dots):
     count, m = density.shape
     for i in range(count):

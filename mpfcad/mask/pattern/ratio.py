@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mpfcad.film import CurvatureField, FieldFilm, PrismFilm, Process
 from mpfcad.film.field.field import bracket
 from mpfcad.mask.aperture import blocks
+from mpfcad.store.kernel import kept
 
 #: Steps of the table from curvature 0 to that of an empty groove.
 TABLE_STEPS = 1 << 14
@@ -90,7 +91,8 @@ def as_field(film: PrismFilm | FieldFilm) -> FieldFilm:
     return FieldFilm(film.groove, film.length, film.groove_count, field, film.profile)
 
 
-@nb.njit(cache=True, nogil=True)
+@kept
+@nb.njit(nogil=True)
 def _look_up(node, index, weight, table, scale, out):
     last = len(table) - 2
     for i in range(out.shape[0]):

@@ -10,6 +10,7 @@ from mpfcad.optics.search.bvh import Bvh
 from mpfcad.optics.search.bvh_split import LEAF, binary_tree
 from mpfcad.optics.search.seam import facet_normals, with_seam
 from mpfcad.optics.solid.mesh import FilmMesh
+from mpfcad.store.kernel import kept
 
 
 def build_bvh(mesh: FilmMesh) -> Bvh:
@@ -50,7 +51,8 @@ def _outward(box: NDArray[np.float64]) -> NDArray[np.float32]:
     return np.concatenate([low, high], axis=1)
 
 
-@njit(cache=True)
+@kept
+@njit
 def _widen(box, leaf, skip):
     """Return (boxes (n, 6, 8), children (n, 8), the leaves taken) of the tree made eight wide.
 

@@ -9,11 +9,14 @@ import math
 import numpy as np
 from numba import njit
 
+from mpfcad.store.kernel import kept
+
 _BINS = 16
 LEAF = 8
 
 
-@njit(cache=True)
+@kept
+@njit
 def binary_tree(low, high, centre):
     """Return (order (t,), box (n, 6), leaf (n, 2), skip (n,)) of the tree over boxes low…high."""
     count = len(centre)

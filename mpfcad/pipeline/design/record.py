@@ -7,7 +7,7 @@ import numpy as np
 from mpfcad.design import Iteration
 from mpfcad.measure import Estimate
 from mpfcad.pipeline.design.work import DesignWork
-from mpfcad.pipeline.run.record import versions
+from mpfcad.store import versions
 
 
 def describe_design(

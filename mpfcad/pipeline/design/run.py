@@ -32,8 +32,8 @@ def run_design(
 ) -> Path:
     """Search a map, write job, map and page into the folder `out`, and return the job's path.
 
-    Traces that are done are kept in a file beside `out` and not repeated; the bytes are the same
-    as without an interruption.
+    Traces that are done are kept in the store and not repeated; the bytes are the same as without
+    an interruption.
 
     Raises
     ------
@@ -45,9 +45,9 @@ def run_design(
     threads = threads or available_threads()
     if design.thickness is None:
         found = None
-        work = DesignWork(design, design_file, out, threads, progress)
+        work = DesignWork(design, design_file, threads, progress)
     else:
-        range_search = ThicknessSearch(design, design_file, out, threads, progress)
+        range_search = ThicknessSearch(design, design_file, threads, progress)
         least = range_search.search()
         found = range_search.describe(least)
         work = range_search.work(least or design.thickness.max_mm)

@@ -24,7 +24,6 @@ from mpfcad.job.design import Design
 from mpfcad.pipeline.design.reach import contrast_bound
 from mpfcad.pipeline.design.record import describe_iteration
 from mpfcad.pipeline.design.work import DesignWork
-from mpfcad.pipeline.point.kept import find_kept, keep_result, point_file
 from mpfcad.pipeline.point.thickness_limit import (
     FAILS,
     SERVES,
@@ -32,8 +31,9 @@ from mpfcad.pipeline.point.thickness_limit import (
     outcome,
     spread_lamps,
 )
-from mpfcad.pipeline.point.trace import Point, conventional_point, trace_point
+from mpfcad.pipeline.point.trace import POINT, Point, conventional_point, trace_point
 from mpfcad.pipeline.progress import Progress
+from mpfcad.store import Store
 
 #: What is tried where the least thickness of the range does not serve: more of each sheet's
 #: scattering, and more lamps.
@@ -43,10 +43,8 @@ _SIGMA_STEP, _LAMP_STEPS = 0.15, (2, 4)
 class ThicknessSearch:
     """A design searched over its range of thickness."""
 
-    def __init__(
-        self, design: Design, file: Path, out: Path, threads: int, progress: Progress
-    ) -> None:
-        self.design, self.file, self.out = design, file, out
+    def __init__(self, design: Design, file: Path, threads: int, progress: Progress) -> None:
+        self.design, self.file = design, file
         self.threads, self.progress = threads, progress
         self.values = design.thickness.values()
         self.limit = design.gates.contrast_marginal
@@ -62,7 +60,6 @@ class ThicknessSearch:
             self._works[thickness] = DesignWork(
                 self.design.at_thickness(thickness),
                 self.file,
-                self.out.with_name(f"{self.out.name}-{thickness:g}mm"),
                 self.threads,
                 _Named(self.progress, f"{thickness:g} mm: "),
             )
@@ -199,11 +196,11 @@ class ThicknessSearch:
         paths = round(self.design.search.paths_million * 1e6)
         like = Point({}, {}, str(self.file), 0.0, paths)
         point = conventional_point(like, self.design.seed)
-        file = point_file(point, self.out.with_name(f".{self.out.name}.points"))
-        kept = find_kept(file)
+        store, key = Store.open(self.progress.note), point.key()
+        kept = store.read_json(POINT, key)
         if kept is None:
             self.progress.stage("tracing the conventional stack")
-            kept = keep_result(file, trace_point(point, self.threads))
+            kept = store.keep_json(POINT, key, trace_point(point, self.threads))
         return kept["mean_luminance_cd_m2"]["value"]
 
     def _remedies(self, thickness: float) -> list[dict[str, Any]]:
@@ -222,7 +219,7 @@ class ThicknessSearch:
         words = ", ".join(f"{name} = {value:g}" for name, value in change.items())
         design = self.design.at_thickness(thickness, change)
         named = _Named(self.progress, f"{thickness:g} mm, {words or 'as it is'}: ")
-        work = DesignWork(design, self.file, self.out, self.threads, named)
+        work = DesignWork(design, self.file, self.threads, named)
         found = predict(best_series(work, work.response), work.response, Correction.none())
         return {
             "thickness_mm": thickness,

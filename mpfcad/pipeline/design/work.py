@@ -1,6 +1,5 @@
 """The search of a design's map: constraints and model from its tables, full traces on demand."""
 
-import hashlib
 import tempfile
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +20,7 @@ from mpfcad.design import (
     search_by_inversion,
     search_by_response,
 )
-from mpfcad.export import canonical_json, write_text
+from mpfcad.export import write_text
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
@@ -30,7 +29,7 @@ from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_process, read_job_stack, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad
-from mpfcad.pipeline.run.record import versions
+from mpfcad.store import Store
 
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
 _NODE_STEP = 6.0
@@ -42,9 +41,7 @@ _STEP = 1e-6
 class DesignWork:
     """A design being searched."""
 
-    def __init__(
-        self, design: Design, file: Path, out: Path, threads: int, progress: Progress
-    ) -> None:
+    def __init__(self, design: Design, file: Path, threads: int, progress: Progress) -> None:
         self.design, self.file, self.threads, self.progress = design, file, threads, progress
         job = build_job(design.job_document("map.csv"), str(file))
         self.stack = read_job_stack(job, file)
@@ -56,22 +53,15 @@ class DesignWork:
         self.pitch = self.stack.period.across
         self.constraint = design_constraint(design, self.process, file)
         self.goal = design_goal(design)
-        self.state = KeptTraces(out.with_name(f".{out.name}.traces.json"), self._key())
+        self.state = KeptTraces(Store.open(progress.note), self._inputs())
         self.model: dict[str, Any] | None = None
 
-    def _key(self) -> str:
-        """Return a hash of what the traces of given rows depend on."""
+    def _inputs(self) -> list[Any]:
+        """Return what the traces of given rows depend on, by value."""
         document = self.design.document()
-        inputs = {
-            "seed": self.design.seed,
-            "paths": self.design.search.paths_million,
-            "film": document["film"],
-            "cad": document["cad"],
-            "stack": self.stack.inputs(),
-            "layers": list(self.stack.layers),
-            "versions": versions(),
-        }
-        return hashlib.sha256(canonical_json(inputs).encode()).hexdigest()
+        own = [document[table] for table in ("film", "cad")]
+        search = [self.design.seed, self.design.search.paths_million]
+        return [*own, *search, self.stack, self.stack.files(), self.process]
 
     def search_maps(self, contrast_target: float) -> list[Iteration]:
         """Return the traced maps; the interval of the last ends below the target, if one's does."""

@@ -1,7 +1,6 @@
 """One film in one stack, and what was measured on it; measured figures are kept and found again."""
 
 import json
-import os
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -10,12 +9,12 @@ from typing import Any
 
 from mpfcad.backlight import Quantity, Stack, read_stack
 from mpfcad.errors import ExportError, InputError
-from mpfcad.export import canonical_json, check_manifest
+from mpfcad.export import check_manifest
 from mpfcad.job import Job, read_job
-from mpfcad.measure import Lit, TraceRun, case_hash, light_film
+from mpfcad.measure import Checkpoints, Lit, TraceRun, light_film
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.resume import cache_folder, open_checkpoints
+from mpfcad.store import Store, work_key
 
 DEFAULT_STACK = "thesis-32in-mpf"
 #: What can be measured, in the order of the page.
@@ -174,27 +173,15 @@ def measure_case(
 def _measured(case: Case, name: str, measuring: Measuring, progress: Progress) -> dict[str, Any]:
     from mpfcad.record import MEASUREMENT_SCHEMA
 
-    key = case_hash(
-        {
-            **case.lit.case, "what": name, "seed": measuring.seed, "effort": measuring.effort,
-            "schema": MEASUREMENT_SCHEMA,
-        }
-    )  # fmt: skip
-    kept = cache_folder() / "figures" / f"{key[:32]}.json"
-    if kept.is_file():
-        stored = json.loads(kept.read_text("utf-8"))
-        if stored.get("case") == key:
-            return stored["figures"]
-    with open_checkpoints(progress) as checkpoints:
+    store = Store.open(progress.note)
+    what = {"what": name, "seed": measuring.seed, "effort": measuring.effort}
+    key = work_key("figure", {**case.lit.case, **what, "schema": MEASUREMENT_SCHEMA})
+    kept = store.read_json("figure", key)
+    if kept is not None:
+        return kept
+    with Checkpoints(store) as checkpoints:
         run = measuring.run(progress, checkpoints)
-        figures = _MEASURE[name](case.lit, run, measuring.effort)
-    if checkpoints.folder is not None:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        part = kept.with_name(f".{kept.name}.{os.getpid()}.part")
-        part.write_bytes(canonical_json({"case": key, "figures": figures}).encode())
-        part.replace(kept)
-    # As they come back from the file, so that it makes no difference whether they were kept.
-    return json.loads(canonical_json(figures))
+        return store.keep_json("figure", key, _MEASURE[name](case.lit, run, measuring.effort))
 
 
 def _contrast(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:

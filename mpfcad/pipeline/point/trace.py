@@ -2,7 +2,7 @@
 
 import math
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from mpfcad.backlight import Quantity
 from mpfcad.errors import InputError
-from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Groove
 from mpfcad.job import FilmTable, build_job
 from mpfcad.job.reader import validate
@@ -20,9 +19,14 @@ from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import write_cad
+from mpfcad.store import work_key
 from mpfcad.units import deg
 
+#: Kind of entry of a point in the store.
+POINT = "point"
 _SEARCH = ("goal", "constraint", "search")
+#: Fields of a plan that name files.
+_NAMES = ("job", "input_file")
 #: Stands for the map until a design has found it.
 _ANY_CURVATURE = 50.0
 
@@ -65,29 +69,29 @@ class Point:
         except InputError as error:
             raise InputError(f"{error} (at {describe_coordinate(self.coordinate)})") from None
 
-    def inputs(self) -> str:
-        """Return everything that its result depends on, files by their content, as text."""
+    def key(self) -> str:
+        """Return the key of its result: its plan and settings by value, files by their content."""
         plan = self.plan()
-        files = {
-            name: sha256(path) for name, path in plan.input_file.items() if path.suffix != ".toml"
-        }
-        named = ("map", "process", "stack")
-        tables = {
-            key: {k: Path(v).name if k in ("file", "calibration") else v for k, v in value.items()}
-            if key in named
-            else value
-            for key, value in self.job.items()
-        }
-        return canonical_json(
+        # Not the path of a file: what is in it stands in the plan, and the sweep's own file also
+        # names the other points.
+        resolved = {f.name: getattr(plan, f.name) for f in fields(plan) if f.name not in _NAMES}
+        return work_key(
+            "point",
             {
                 "coordinate": self.coordinate,
-                "job": tables,
-                "stack": plan.stack.inputs(),
-                "files": sorted(files.values()),
+                "plan": resolved,
+                "stack_files": plan.stack.files(),
+                "job": {k: _without_paths(v) for k, v in plan.job.document().items()},
                 "trace": [self.half_width, self.path_limit],
                 "design": self.design and {k: self.design[k] for k in _SEARCH if k in self.design},
-            }
+            },
         )
+
+
+def _without_paths(table: Any) -> Any:
+    if not isinstance(table, dict):
+        return table
+    return {k: v for k, v in table.items() if k not in ("file", "calibration", "measured_file")}
 
 
 def describe_coordinate(coordinate: dict[str, Any]) -> str:
@@ -199,7 +203,7 @@ def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | 
     if point.design is None:
         return None, point.plan()
     design = validate(Design, point.design, point.where)
-    work = DesignWork(design, Path(point.where), folder / "design", threads, SILENT)
+    work = DesignWork(design, Path(point.where), threads, SILENT)
     done = work.search_maps(design.goal.contrast_target)
     reach = describe_reach(work, done) if design.search.method == "response" else None
     work.write_map(folder / "map.csv", np.array(work.best(done).rows))

@@ -16,6 +16,7 @@ from mpfcad.export import sha256
 from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.measure import (
+    Checkpoints,
     Lit,
     LuminanceResult,
     TraceRun,
@@ -26,7 +27,6 @@ from mpfcad.pipeline.effort import TraceSetting, available_threads
 from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
-from mpfcad.pipeline.resume import open_checkpoints
 from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
 from mpfcad.record import ResinCheck
 
@@ -80,6 +80,7 @@ def examine(
     mask: Mask | None,
     setting: TraceSetting,
     threads: int | None,
+    checkpoints: Checkpoints,
     progress: Progress,
 ) -> Findings:
     """Check and trace the files in `folder`.
@@ -99,17 +100,16 @@ def examine(
     difference = _curvature_difference(plan, masks, mesh, wanted)
     resin = _check_resin(plan, masks, mesh, wanted)
     before = sha256(folder / "film.stl")
-    with open_checkpoints(progress) as checkpoints:
-        run = TraceRun(
-            plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
-            progress.trace,
-        )  # fmt: skip
-        progress.stage("tracing film.stl")
-        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
-        luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-        progress.stage("tracing the conventional stack")
-        lit = light_baseline(plan.job.cad.angle_tolerance)
-        baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    run = TraceRun(
+        plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
+        progress.trace,
+    )  # fmt: skip
+    progress.stage("tracing film.stl")
+    lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+    luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    progress.stage("tracing the conventional stack")
+    lit = light_baseline(plan.job.cad.angle_tolerance)
+    baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     return Findings(
         masks, step, mesh, agreement, difference, resin, before, wanted, luminance, baseline
     )

@@ -1,8 +1,6 @@
 """Findings and plan -> verification.json: inputs with their tags, provenance, gates."""
 
 import hashlib
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -20,22 +18,8 @@ from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
 from mpfcad.record import Checks, build_gates, build_verification
 from mpfcad.report import Evidence
+from mpfcad.store import code_hash, versions
 
-#: What the figures and the files come from, besides mpfcad.
-PACKAGES = (
-    "mpfcad",
-    "numpy",
-    "scipy",
-    "numba",
-    "build123d",
-    "gdstk",
-    "klayout",
-    "ezdxf",
-    "tifffile",
-    "pillow",
-    "trimesh",
-    "plotly",
-)
 #: Job tables whose values are inputs of the result, and where their defaults come from.
 DEFAULT_SOURCES = {
     "map": ("given", "the job"),
@@ -153,6 +137,7 @@ def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
             for name, path in sorted(plan.input_file.items())
         },
         "versions": versions(),
+        "code_sha256": code_hash(),
         "seed": plan.job.seed,
         "threads": "any: results do not depend on it",
         "command": f"mpfcad run {job_file.name} --effort {effort}",
@@ -219,14 +204,3 @@ def _process_input(job: Job, process: Process) -> dict[str, Any]:
         "tag": "given" if given else "sourced",
         "source": " Note: ".join([process.source, "; ".join(process.caveats)]),
     }
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of Python and of every package that the result depends on."""
-    found = {"python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found

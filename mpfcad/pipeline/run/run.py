@@ -6,6 +6,7 @@ from typing import Any
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job import Job
+from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.plan import Plan, read_plan
@@ -26,6 +27,7 @@ from mpfcad.pipeline.run.make import (
 from mpfcad.pipeline.run.mask_plan import read_mask_plan
 from mpfcad.pipeline.run.repair import repair_mesh
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
+from mpfcad.store import Store
 
 VERIFICATION = "verification.json"
 REPORT = "report.html"
@@ -61,13 +63,19 @@ def run_job(
     if plan.field_film is not None:
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
-    with export_folder(out, "run") as folder:
+    # The traces are kept until the export is on the disk: a full disk at the report loses none.
+    with (
+        Checkpoints(Store.open(progress.note)) as checkpoints,
+        export_folder(out, "run") as folder,
+    ):
         write_curvature(plan, folder)
         if mask is not None:
             write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
         write_stack_meshes(plan, folder, progress)
-        return _examine_and_report(folder, plan, mask, job_file, effort, threads, progress)
+        return _examine_and_report(
+            folder, plan, mask, job_file, effort, threads, checkpoints, progress
+        )
 
 
 def _examine_and_report(
@@ -77,6 +85,7 @@ def _examine_and_report(
     job_file: Path,
     effort: str,
     threads: int | None,
+    checkpoints: Checkpoints,
     progress: Progress,
 ) -> dict[str, Any]:
     from mpfcad.pipeline.run.examine import examine
@@ -84,7 +93,7 @@ def _examine_and_report(
     from mpfcad.report import write_report
 
     setting = TRACE_SETTINGS[effort]
-    findings = examine(folder, plan, mask, setting, threads, progress)
+    findings = examine(folder, plan, mask, setting, threads, checkpoints, progress)
     write_mask_pictures(folder, findings.mask)
     provenance = build_provenance(plan, job_file, effort)
     record = build_record(folder, plan, findings, setting, provenance)
@@ -178,7 +187,6 @@ def trace_mesh(
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
     from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
-    from mpfcad.pipeline.resume import open_checkpoints
     from mpfcad.record import describe_luminance
 
     if mesh is not None and not mesh.is_file():
@@ -190,7 +198,7 @@ def trace_mesh(
     progress.stage(f"tracing {mesh or stack}")
     backlight = read_stack(stack, thickness=thickness).with_prism(prism)
     lit = light_film(backlight, mesh, offset)
-    with open_checkpoints(progress) as checkpoints:
+    with Checkpoints(Store.open(progress.note)) as checkpoints:
         run = TraceRun(
             seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
         )

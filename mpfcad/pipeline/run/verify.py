@@ -6,11 +6,13 @@ from typing import Any
 
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, check_manifest
+from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.run import VERIFICATION
+from mpfcad.store import Store, code_hash, versions
 
 #: Provenance that only the run itself could know; it is protected by the hash alone.
-OF_THE_RUN = ("inputs_sha256", "versions", "seed", "threads", "command")
+OF_THE_RUN = ("inputs_sha256", "versions", "code_sha256", "seed", "threads", "command")
 
 
 def verify_export(
@@ -49,19 +51,32 @@ def _find_again(
 
     plan = restore_plan(folder, stored["job"])
     setting = TraceSetting(**stored["job"]["trace"])
-    findings = examine(folder, plan, plan_mask(plan), setting, threads, progress)
-    provenance = {key: stored["provenance"][key] for key in OF_THE_RUN}
-    return build_record(folder, plan, findings, setting, provenance)
+    with Checkpoints(Store.open(progress.note)) as checkpoints:
+        findings = examine(folder, plan, plan_mask(plan), setting, threads, checkpoints, progress)
+        given = stored["provenance"]
+        provenance = {key: given[key] for key in OF_THE_RUN if key in given}
+        return build_record(folder, plan, findings, setting, provenance)
 
 
 def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> None:
-    from mpfcad.pipeline.run.record import versions
     from mpfcad.record import find_difference
 
     difference = find_difference(stored, found)
     if difference is None:
         return
-    made_with = stored["provenance"]["versions"]
-    other = [f"{key} {value}" for key, value in versions().items() if made_with.get(key) != value]
-    hint = f" (made with other versions than {', '.join(other)})" if other else ""
-    raise ExportError(f"{folder / VERIFICATION}: {difference}{hint}")
+    raise ExportError(f"{folder / VERIFICATION}: {difference}{_maker(stored['provenance'])}")
+
+
+def _maker(made: dict[str, Any]) -> str:
+    """Return which versions made an export, where they are not those that verify it."""
+    here = versions()
+    other = [
+        f"{name} {version} (here {here.get(name, 'not used')})"
+        for name, version in made["versions"].items()
+        if here.get(name) != version
+    ]
+    code = made.get("code_sha256")
+    if not other and code != code_hash():
+        stated = f"code {code[:12]}" if code else "code not stated"
+        other = [f"mpfcad {made['versions']['mpfcad']}, {stated} (here code {code_hash()[:12]})"]
+    return f"; the export was made by {', '.join(other)}" if other else ""

@@ -10,8 +10,8 @@ import numpy as np
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job.sweep import Sweep
 from mpfcad.pipeline.effort import available_threads
-from mpfcad.pipeline.point.kept import find_kept, keep_result, point_file
 from mpfcad.pipeline.point.trace import (
+    POINT,
     Point,
     build_point,
     conventional_point,
@@ -19,8 +19,8 @@ from mpfcad.pipeline.point.trace import (
     trace_point,
 )
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.run.record import versions
 from mpfcad.pipeline.sweep.curve import THICKNESS_AXIS, find_limits, find_optima, main_axis
+from mpfcad.store import Store, versions
 
 RECORD, DATASET, PAGE = "sweep.json", "sweep.nc", "sweep.html"
 
@@ -41,7 +41,7 @@ def run_sweep(
 ) -> dict[str, Any]:
     """Trace the points that are not yet there; write dataset and page into `out`.
 
-    Every finished point is a file of its own in a folder beside `out` and never traced again.
+    Every finished point is kept in the store and never traced again.
     `scheduler` is the address of a Dask scheduler; None starts `workers` local processes. The
     results do not depend on either.
 
@@ -54,9 +54,10 @@ def run_sweep(
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
     if main_axis(sweep) == THICKNESS_AXIS:
         points.append(conventional_point(points[0], sweep.seed))
-    folder = out.with_name(f".{out.name}.points")
-    files = [point_file(point, folder) for point in points]
-    found = {i: kept for i, file in enumerate(files) if (kept := find_kept(file)) is not None}
+    store = Store.open(progress.note)
+    keys = [point.key() for point in points]
+    kept = {i: store.read_json(POINT, key) for i, key in enumerate(keys)}
+    found = {i: result for i, result in kept.items() if result is not None}
     left = {i: point for i, point in enumerate(points) if i not in found}
     progress.stage(f"{len(found)} of {len(points)} points are there")
     if left:
@@ -67,7 +68,7 @@ def run_sweep(
             compile_tracer()
         with _traced(left, scheduler, workers) as results:
             for i, result in results:
-                found[i] = keep_result(files[i], result)
+                found[i] = store.keep_json(POINT, keys[i], result)
                 name = describe_coordinate(points[i].coordinate) or "the conventional stack"
                 progress.stage(f"{len(found)} of {len(points)} points: {name}")
     ordered = [found[i] for i in range(len(points))]
