@@ -213,6 +213,32 @@ def test_figure_changed_together_with_its_hashes_is_found(own):
         verify_export(own)
 
 
+@pytest.mark.parametrize(
+    ("table", "change", "said"),
+    [
+        ("versions", {"mpfcad": "0.1.0"}, r"made by mpfcad 0\.1\.0 \(here "),
+        ("versions", {"numba": "0.61.0"}, r"made by numba 0\.61\.0 \(here "),
+        (None, {"code_sha256": "0" * 64}, r"made by mpfcad \S+ of code 000000000000 \(here "),
+    ],
+)
+def test_an_export_of_another_version_says_which(own, table, change, said):
+    """Of its figures one differs, or its job is not read by this version."""
+    from mpfcad.export import canonical_json, write_manifest
+
+    path = own / "verification.json"
+    before = path.read_text()
+    for damage in ({"paths": 1}, {"job": {**json.loads(before)["job"], "stack": {}}}):
+        record = {**json.loads(before), **damage}
+        place = record["provenance"] if table is None else record["provenance"][table]
+        place.update(change)
+        path.write_text(canonical_json(record))
+        write_manifest(own, record["name"], "run")
+        with pytest.raises(ExportError, match=said):
+            verify_export(own)
+    path.write_text(before)
+    write_manifest(own, json.loads(before)["name"], "run")
+
+
 def test_empty_film_is_a_bef_without_apertures(tmp_path, short_trace):
     job = small_job(tmp_path, 'name = "bef"\n[map]\ncurvature_per_mm = 80.0\n')
     record = run_job(read_job(job), job, tmp_path / "out", effort="quick", threads=2)

@@ -22,7 +22,10 @@ def command(
     days: Annotated[
         float | None,
         typer.Option(
-            "--older-than", min=0, metavar="DAYS", help="With --prune: also what was not used since."
+            "--older-than",
+            min=0,
+            metavar="DAYS",
+            help="With --prune: also what was not used since.",
         ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="With --prune: remove all.")] = False,
@@ -56,7 +59,9 @@ def _show(folder: object, entries: "list[Entry]") -> None:
                 ages = [e.age for e in some]
                 size = _megabytes(sum(e.size for e in some))
                 used = f"last used {min(ages):.1f} to {max(ages):.1f} days ago"
-                print(f"  {words + (f' ({note})' if note else ''):<40}{len(some):>7} {size:>12} {used}")
+                print(
+                    f"  {words + (f' ({note})' if note else ''):<40}{len(some):>7} {size:>12} {used}"
+                )
 
 
 def _megabytes(size: float) -> str:

@@ -68,6 +68,7 @@ def test_help_is_instant():
         "verify",
         "design",
         "sweep",
+        "cache",
         "calibrate",
         "stacks",
         "init",

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from mpfcad.errors import ExportError, InputError
+from mpfcad.errors import ExportError, InputError, MpfcadError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -35,7 +35,14 @@ def verify_export(
     if VERIFICATION not in manifest["files"]:
         raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
     stored = json.loads((folder / VERIFICATION).read_text("utf-8"))
-    found = json.loads(canonical_json(_find_again(folder, stored, threads, progress)))
+    try:
+        found = json.loads(canonical_json(_find_again(folder, stored, threads, progress)))
+    except (MpfcadError, LookupError, TypeError, ValueError) as error:
+        maker = _maker(stored.get("provenance", {}))
+        if not maker:
+            raise
+        reason = error if isinstance(error, MpfcadError) else f"not read by this version: {error!r}"
+        raise ExportError(f"{folder / VERIFICATION}: {reason}{maker}") from error
     _compare(folder, stored, found)
     return stored
 
@@ -69,14 +76,13 @@ def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> Non
 
 def _maker(made: dict[str, Any]) -> str:
     """Return which versions made an export, where they are not those that verify it."""
-    here = versions()
+    here, there = versions(), made.get("versions", {})
     other = [
         f"{name} {version} (here {here.get(name, 'not used')})"
-        for name, version in made["versions"].items()
+        for name, version in there.items()
         if here.get(name) != version
     ]
-    code = made.get("code_sha256")
+    code = str(made.get("code_sha256", "not stated"))
     if not other and code != code_hash():
-        stated = f"code {code[:12]}" if code else "code not stated"
-        other = [f"mpfcad {made['versions']['mpfcad']}, {stated} (here code {code_hash()[:12]})"]
+        other = [f"mpfcad {there.get('mpfcad')} of code {code[:12]} (here {code_hash()[:12]})"]
     return f"; the export was made by {', '.join(other)}" if other else ""
