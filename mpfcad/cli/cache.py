@@ -59,9 +59,8 @@ def _show(folder: object, entries: "list[Entry]") -> None:
                 ages = [e.age for e in some]
                 size = _megabytes(sum(e.size for e in some))
                 used = f"last used {min(ages):.1f} to {max(ages):.1f} days ago"
-                print(
-                    f"  {words + (f' ({note})' if note else ''):<40}{len(some):>7} {size:>12} {used}"
-                )
+                what = words + (f" ({note})" if note else "")
+                print(f"  {what:<40}{len(some):>7} {size:>12} {used}")
 
 
 def _megabytes(size: float) -> str:
