@@ -2,7 +2,7 @@
 
 from mpfcad.backlight.layer import OWN_VALUES
 from mpfcad.backlight.particle import MEDIUM, PARTICLE, build_particles
-from mpfcad.backlight.quantity import Quantity
+from mpfcad.backlight.quantity import Quantity, Tag
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 
@@ -60,8 +60,9 @@ def _scattering(where: str, body: str, quantity: dict[str, Quantity]) -> dict[st
         raise InputError(f"{where}: {missing[0]}: missing: particles need all of {', '.join(keys)}")
     wavelength = quantity.get("light_wavelength_nm", _WAVELENGTH)
     particles = build_particles({**quantity, "light_wavelength_nm": wavelength}, body)
+    assert particles is not None  # none is missing
     tags = {quantity[key].tag for key in keys}
-    tag = "assumed" if "assumed" in tags else "sourced" if "sourced" in tags else "given"
+    tag: Tag = "assumed" if "assumed" in tags else "sourced" if "sourced" in tags else "given"
     source = f"Mie's theory, from {', '.join(keys)}, {MEDIUM[body]}, light_wavelength_nm"
     return {
         "light_wavelength_nm": wavelength,

@@ -1,5 +1,8 @@
 """A stack lowered to the elements that are traced."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from mpfcad.backlight.particle import build_particles
@@ -36,7 +39,10 @@ def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> lis
             sigma, transmission = stack[f"{layer}_sigma"], stack["sheet_transmission"]
             elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
         else:
-            below = elements[-1].index if layer == "bonded_film" else 1.0
+            under = elements[-1]
+            is_bonded = layer == "bonded_film"
+            below = under.index if is_bonded and isinstance(under, Slab) else 1.0
+            assert mesh is not None  # a stack with a slot has one
             resin = _resin(stack, mesh)
             elements.append(Film(mesh, stack["film_index"], below, offset, resin=resin))
     return elements
@@ -47,7 +53,7 @@ def _words(layer: str) -> str:
 
 
 def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
-    volume = {}
+    volume: dict[str, Any] = {}
     if diffusing:
         particles = build_particles(stack.quantity, "plate")
         volume = {
@@ -79,7 +85,7 @@ def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
     return Resin(prism, stack["resin_scattering_per_mm"], stack["resin_asymmetry"], phase)
 
 
-def _own_layer(stack: Stack, name: str, mesh: FilmMesh, offset: float) -> Element:
+def _own_layer(stack: Stack, name: str, mesh: FilmMesh | None, offset: float) -> Element:
     """Return the element of a layer with values of its own."""
     layer = stack.own[name]
     if layer.kind == "bsdf":
@@ -105,9 +111,10 @@ def _own_layer(stack: Stack, name: str, mesh: FilmMesh, offset: float) -> Elemen
             0.0,
         )
     elif layer.file is not None:
-        mesh, offset = read_film_mesh(layer.file), 0.0
-    else:
+        mesh, offset = read_film_mesh(Path(layer.file)), 0.0
+    elif mesh is not None:
         resin = _resin(stack, mesh)
+    assert mesh is not None  # a stack with a slot has one
     return Film(
         mesh, value("index"), 1.0, offset, None, words,
         rotation=value("rotation_deg") * deg, flipped=layer.flipped, resin=resin,

@@ -9,7 +9,7 @@ from mpfcad.backlight.source.protocol import Range, SourceSpec
 from mpfcad.errors import InputError
 
 Tag = Literal["given", "sourced", "assumed"]
-TAGS = ("given", "sourced", "assumed")
+TAGS: tuple[Tag, ...] = ("given", "sourced", "assumed")
 
 _PANEL: dict[str, Range] = {
     "panel_width_mm": (1.0, 10_000.0),
@@ -102,12 +102,17 @@ def read_quantity(
             raise InputError(f"{where}.{key}: {entry}: allowed keys: value, tag, source")
         value = entry["value"]
         tag, source = entry.get("tag", tag), str(entry.get("source", source))
-    if tag not in TAGS:
+    tagged: Tag | None = next((one for one in TAGS if one == tag), None)
+    if tagged is None:
         raise InputError(f"{where}.{key}: tag {tag!r}: must be one of {', '.join(TAGS)}")
     low, high = limits
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not math.isfinite(value) or not low <= value <= high:
+    if (
+        not isinstance(value, int | float)
+        or isinstance(value, bool)
+        or not math.isfinite(value)
+        or not low <= value <= high
+    ):
         raise InputError(f"{where}.{key}: {value}: must be a number in {low:g} … {high:g}")
     if key.endswith("_count") and value != int(value):
         raise InputError(f"{where}.{key}: {value}: must be a whole number")
-    return Quantity(value, tag, source)
+    return Quantity(value, tagged, source)

@@ -59,7 +59,8 @@ def read_stack(
     if thickness is not None:
         given["thickness_mm"] = thickness
     text.value.update(_flat(f"{where}: stack.override", given))
-    if text.extent not in EXTENTS:
+    extent = next((one for one in EXTENTS if one == text.extent), None)
+    if extent is None:
         raise InputError(f"{where}: extent: {text.extent}: must be one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
     quantity = {
@@ -70,7 +71,7 @@ def read_stack(
     if missing:
         raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
     stack = Stack(
-        Path(where).stem, text.title, layers, quantity, text.extent, own, tables=text.table,
+        Path(where).stem, text.title, layers, quantity, extent, own, tables=text.table,
         spec=text.spec,
     )  # fmt: skip
     check_layers(where, stack)

@@ -16,7 +16,8 @@ from mpfcad.backlight.quantity import (
 from mpfcad.backlight.source import LightSource, Period, SourceSpec, TubeSpec
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
-EXTENTS = ("pitch", "panel")
+Extent = Literal["pitch", "panel"]
+EXTENTS: tuple[Extent, ...] = ("pitch", "panel")
 #: The film without resin, in an export.
 PRISM_FILE = "prism.stl"
 
@@ -50,7 +51,7 @@ class Stack:
     title: str
     layers: tuple[str, ...]
     quantity: dict[str, Quantity]
-    extent: Literal["pitch", "panel"] = "pitch"
+    extent: Extent = "pitch"
     own: dict[str, Layer] = field(default_factory=dict)
     tables: dict[str, BsdfLayer] = field(default_factory=dict)
     prism: Path | None = None

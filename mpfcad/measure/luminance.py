@@ -13,6 +13,8 @@ from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
+    from mpfcad.optics.element import Element
+    from mpfcad.optics.scene import Scene
 
 #: Points over the pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
 POINTS = 33
@@ -102,7 +104,9 @@ def luminance_over_pitch(
     )
 
 
-def _energy(scene, elements, seed: int, threads: int) -> dict[str, object]:
+def _energy(
+    scene: "Scene", elements: "list[Element]", seed: int, threads: int
+) -> dict[str, object]:
     """Return where the lamps' light goes, from a forward trace, as shares of what they emit."""
     from mpfcad.optics.base.recorder import FLOWS
     from mpfcad.optics.engine import trace

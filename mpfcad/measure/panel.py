@@ -68,7 +68,7 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
     stack = lit.stack
     n, m = CELLS_A_LAMP * stack.source.count, CELLS_ALONG
     width, length = stack.panel_width / n, stack.panel_length / m
-    across, along = (np.arange(n) + 0.5) * width, (np.arange(m) + 0.5) * length
+    across, along = np.arange(0.5, n) * width, np.arange(0.5, m) * length
     source = Source(
         EYE,
         middle(lit) - stack.panel_width / 2 + np.repeat(across, m),
@@ -79,10 +79,8 @@ def panel_luminance(lit: Lit, run: TraceRun, error_goal: float) -> PanelResult:
     )
     tally = trace_rounds(lit, source, run, relative_error, error_goal, _FIGURE)
     value, error = tally.radiance.reshape(n, m), tally.radiance_error.reshape(n, m)
-    corners = tuple(
-        _over_middle(value, error, tally.blocks, i, k) for i in (0, -1) for k in (0, -1)
-    )
-    return PanelResult(across, along, value, error, corners, tally.total_paths)
+    a, b, c, d = (_over_middle(value, error, tally.blocks, i, k) for i in (0, -1) for k in (0, -1))
+    return PanelResult(across, along, value, error, (a, b, c, d), tally.total_paths)
 
 
 def _over_middle(value: NDArray, error: NDArray, blocks: int, i: int, k: int) -> Estimate:

@@ -195,4 +195,5 @@ class _Watch:
     def block(self) -> None:
         paths = self._state.paths + self._block
         self._state = self._state._replace(paths=paths, expected=max(paths, self._state.expected))
-        self._progress(self._state)
+        if self._progress is not None:
+            self._progress(self._state)

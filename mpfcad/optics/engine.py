@@ -8,6 +8,7 @@ same bits at any thread count.
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numba import njit, uint64
@@ -227,7 +228,7 @@ def trace(
     points = len(source.position)
     flows = len(FLOWS) + len(scene.kind)
     # Memory that threads hand on: asking for it anew took 5 % on a film alone.
-    scratch = []
+    scratch: list[Any] = []
 
     def one(block: int) -> Tally:
         try:

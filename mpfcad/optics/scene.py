@@ -101,7 +101,7 @@ def _check_order(elements: list[Element]) -> None:
         if isinstance(element, Cavity) and i > 0:
             raise TraceError("the cavity must be the lowest element")
         hanging = isinstance(element, Film) and not element.mesh.underside
-        if hanging and (element.index_below != 1.0 or element.resin):
+        if isinstance(element, Film) and hanging and (element.index_below != 1 or element.resin):
             raise InputError(
                 f"{element.name}: mesh without flat underside: needs one to be bonded or to hold "
                 "scattering resin"

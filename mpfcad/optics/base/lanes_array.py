@@ -146,7 +146,7 @@ def gather_row(typingctx, array, index):
             halves = [
                 _shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
             ]
-            columns.append(_shuffle(builder, *halves, [0, 1, 4, 5, 2, 3, 6, 7]))
+            columns.append(_shuffle(builder, halves[0], halves[1], [0, 1, 4, 5, 2, 3, 6, 7]))
         return context.make_tuple(builder, sig.return_type, columns)
 
     return types.UniTuple(kind, 4)(array, index), lower

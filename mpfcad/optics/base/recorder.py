@@ -1,6 +1,6 @@
 """What a trace leaves: sums of scores and of where the light went, and their standard errors."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,13 @@ class Tally(NamedTuple):
     @classmethod
     def empty(cls, points: int, flows: int) -> "Tally":
         """Return a tally of no paths."""
-        return cls(*(np.zeros(n) for n in (points, points, points, flows, flows)), 0, 0)
+        radiance, square, paths = np.zeros(points), np.zeros(points), np.zeros(points)
+        return cls(radiance, square, paths, np.zeros(flows), np.zeros(flows), 0, 0)
 
-    def __add__(self, other: "Tally") -> "Tally":
+    def __add__(self, other: "Tally") -> "Tally":  # type: ignore[override]  # sums, not joins
         """Return the tally of both."""
-        return Tally(*(a + b for a, b in zip(self, other, strict=True)))
+        pairs: Any = zip(self, other, strict=True)
+        return Tally._make(a + b for a, b in pairs)
 
     @property
     def total_paths(self) -> int:
@@ -78,7 +80,7 @@ class Tally(NamedTuple):
     @property
     def radiance_freedom(self) -> float:
         """Degrees of freedom of a single point's `radiance_error`."""
-        return _pooled_freedom(1.0, np.count_nonzero(self.radiance_error), self.blocks)
+        return _pooled_freedom(1.0, int(np.count_nonzero(self.radiance_error)), self.blocks)
 
     @property
     def fraction(self) -> NDArray[np.float64]:
@@ -105,7 +107,7 @@ def freedom_of_sum(weight: NDArray[np.float64], error: NDArray[np.float64], bloc
     """
     part = (weight * error) ** 2
     own = np.sum((part / part.sum()) ** 2) if part.sum() > 0 else 1.0
-    return _pooled_freedom(float(own), np.count_nonzero(error), blocks)
+    return _pooled_freedom(float(own), int(np.count_nonzero(error)), blocks)
 
 
 def _pooled_freedom(own: float, points: int, blocks: float) -> float:

@@ -83,16 +83,16 @@ def bsdf_at(
     table: BsdfTable, way: int, side: int, incident: ArrayLike, leaving: ArrayLike
 ) -> NDArray[np.float64]:
     """Return the BSDF (n,) [1/sr] from one direction (2,) to others (n, 2), all (kx, ky)."""
-    incident, leaving = np.asarray(incident, float), np.asarray(leaving, float)
+    into, out_of = np.asarray(incident, float), np.asarray(leaving, float)
     rows = table.value[way, side]
     if table.isotropic:
-        azimuth = np.arctan2(incident[1], incident[0])
+        azimuth = np.arctan2(into[1], into[0])
         c, s = np.cos(azimuth), np.sin(azimuth)
-        leaving = leaving @ np.array([[c, -s], [s, c]])
+        out_of = out_of @ np.array([[c, -s], [s, c]])
         rings = AngleBasis("", table.basis.edge, np.ones_like(table.basis.azimuths))
-        bins, shares = bin_shares(rings, *incident)
+        bins, shares = bin_shares(rings, *into)
     else:
-        bins, shares = bin_shares(table.basis, *incident)
+        bins, shares = bin_shares(table.basis, *into)
     row = shares[0] @ rows[bins[0]]
-    out, weight = bin_shares(table.basis, leaving[:, 0], leaving[:, 1])
+    out, weight = bin_shares(table.basis, out_of[:, 0], out_of[:, 1])
     return (row[out] * weight).sum(axis=-1)

@@ -33,7 +33,7 @@ def build_bvh(mesh: FilmMesh) -> Bvh:
     points = np.where(facet[:, None] < 0, np.tile(points[:, :3, :1], (1, 3, LEAF)), points)
     box, points = _outward(wide).reshape(-1, LANES), points.reshape(-1, LEAF)
     child, facet = child.astype(np.int32), facet.astype(np.int32)
-    return Bvh(*(_on_lines(v) for v in (box, child, points, facet)), normal)
+    return Bvh(_on_lines(box), _on_lines(child), _on_lines(points), _on_lines(facet), normal)
 
 
 def _on_lines(array: NDArray) -> NDArray:

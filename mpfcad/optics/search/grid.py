@@ -36,7 +36,7 @@ class Grid(NamedTuple):
         listed again beyond the opposite ones
     """
 
-    count: NDArray[np.int64]
+    count: NDArray[np.int64]  # type: ignore[assignment]  # a tuple has a `count` of its own
     cell: NDArray[np.float64]
     corner: NDArray[np.float64]
     facet: NDArray[np.int64]

@@ -73,7 +73,8 @@ def _span(
     middle = (low + high) / 2
     first = np.floor(np.minimum(low + MARGIN, middle))
     last = np.floor(np.maximum(high - MARGIN, middle))
-    return tuple(np.clip(v, 0, count - 1).astype(np.int64) for v in (first, last))
+    top = count - 1
+    return np.clip(first, 0, top).astype(np.int64), np.clip(last, 0, top).astype(np.int64)
 
 
 def _lists(

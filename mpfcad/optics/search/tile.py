@@ -5,7 +5,7 @@ over a flat underside and `section` for any other cross-section; else `grid` whe
 small and even against the base (`grid_build`), else `bvh`.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,14 +76,14 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
         when the accelerator asked for does not fit the mesh.
     """
     z = mesh.vertex[mesh.used, 2]
-    made = dict.fromkeys(ACCELERATORS)
+    made: dict[str, Any] = dict.fromkeys(ACCELERATORS)
     for name, build in _BUILD:
         if accelerator in (None, name):
             made[name] = build(mesh)
         if made[name] is not None:
             break
     else:
-        raise TraceError(f"accelerator {accelerator}: the mesh is {_UNFIT[accelerator]}")
+        raise TraceError(f"accelerator {accelerator}: the mesh is {_UNFIT[accelerator or name]}")
     width, length, _ = mesh.size
     return Tile(
         width, length, float(z.min()), float(z.max()), mesh.underside, ACCELERATORS.index(name),

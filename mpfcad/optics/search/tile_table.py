@@ -5,7 +5,7 @@ takes a tile out as views of them.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +59,7 @@ def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     return TileTable(size, accelerator, chain, bvh, section, grid, *at)
 
 
-def _joined(parts: Sequence[NamedTuple]) -> tuple[NamedTuple, NDArray[np.int64]]:
+def _joined(parts: Sequence[Any]) -> tuple[Any, NDArray[np.int64]]:
     """Return accelerators of one kind with their arrays joined, and where each part begins."""
     counts = np.array([[len(array) for array in part] for part in parts])
     at = np.concatenate([np.zeros((1, counts.shape[1]), np.int64), np.cumsum(counts, axis=0)])

@@ -110,9 +110,9 @@ def _rolled(facet: NDArray[np.int64], first: NDArray[np.int64]) -> NDArray[np.in
 
 def _apart(vertex: NDArray, x: NDArray, y: NDArray, edges: int) -> tuple[NDArray, NDArray]:
     """Return the pairs without those where y lies on one side of x, but for a shared corner 0."""
-    plane = [vertex[x[:, k]] for k in range(3)]
+    a, b, c = (vertex[x[:, k]] for k in range(3))
     rest = (0, 1, 2) if edges == 3 else (1, 2)
-    sign = np.stack([_side(*plane, vertex[y[:, k]]) for k in rest])
+    sign = np.stack([_side(a, b, c, vertex[y[:, k]]) for k in rest])
     keep = ~((sign > 0).all(axis=0) | (sign < 0).all(axis=0))
     return x[keep], y[keep]
 
@@ -253,9 +253,10 @@ def nesting(
     good = (part[above] != which) & (up[above] != 0)
     which, above = which[good], above[good]
     sense = np.sign(up[above])
-    flat = [corner[above, k, :2] for k in range(3)]
+    a, b, c = (corner[above, k] for k in range(3))
+    flat = [point[:, :2] for point in (a, b, c)]
     turns = np.stack([_turn(flat[k], flat[(k + 1) % 3], start[which, :2]) for k in range(3)])
-    over = _side(*(corner[above, k] for k in range(3)), start[which]) * sense < 0
+    over = _side(a, b, c, start[which]) * sense < 0
     hit = (turns * sense > 0).all(axis=0) & over
     odd = np.bincount(which[hit], minlength=count) % 2 == 1
     return start, volume, np.bincount(which[hit], sense[hit], count), odd

@@ -202,8 +202,8 @@ def _check_repeats(
     ordered = [line[np.lexsort(line.T)] for line in lines]
     if ordered[0].shape == ordered[1].shape and (ordered[0] == ordered[1]).all():
         return
-    lines = [np.ascontiguousarray(line).view([("", float)] * 4).ravel() for line in lines]
-    only = [np.setdiff1d(lines[i], lines[1 - i]) for i in (0, 1)]
+    rows = [np.ascontiguousarray(line).view([("", float)] * 4).ravel() for line in lines]
+    only = [np.setdiff1d(rows[i], rows[1 - i]) for i in (0, 1)]
     for i, left_over in enumerate(only):
         if len(left_over):
             name = "xy"[axis]

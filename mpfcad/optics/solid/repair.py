@@ -121,8 +121,8 @@ def _merge_near(
     start, end, _, number = _edges(facet)
     single = np.bincount(number)[number] == 1
     rim = np.unique(np.r_[start[single], end[single]])
-    pairs = cKDTree(vertex[rim]).query_pairs(NEAR, output_type="ndarray") if len(rim) else []
-    if len(pairs) == 0:
+    pairs = cKDTree(vertex[rim]).query_pairs(NEAR, output_type="ndarray") if len(rim) else None
+    if pairs is None or len(pairs) == 0:
         return vertex, facet, 0
     _, group = joined(pairs.T, len(rim))
     _, first = np.unique(group, return_index=True)

@@ -45,7 +45,7 @@ def design_goal(design: Design) -> Goal:
     table, shift = design.goal, design.constraint.registration_mm
     if table.aim == "contrast":
         return Goal(registration=shift)
-    if table.aim == "trade":
+    if table.luminance_weight is not None:  # aim = "trade"
         return Goal(luminance_weight=table.luminance_weight, registration=shift)
     # Half the target is left to the interval of the trace.
     return Goal(table.contrast_target / 2, _LUMINANCE_FIRST, shift)

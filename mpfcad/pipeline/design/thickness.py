@@ -46,7 +46,9 @@ class ThicknessSearch:
     def __init__(self, design: Design, file: Path, threads: int, progress: Progress) -> None:
         self.design, self.file = design, file
         self.threads, self.progress = threads, progress
-        self.values = design.thickness.values()
+        assert design.thickness is not None  # who calls has looked
+        self.table = design.thickness
+        self.values = self.table.values()
         self.limit = design.gates.contrast_marginal
         self.predicted: dict[float, Prediction] = {}
         self.traced: dict[float, list[Iteration]] = {}
@@ -118,7 +120,6 @@ class ThicknessSearch:
 
     def describe(self, least: float | None) -> dict[str, Any]:
         """Return what was found of every thickness, in outside names."""
-        table = self.design.thickness
         for thickness in self._series:
             self._predict(thickness)
         points = []
@@ -137,9 +138,9 @@ class ThicknessSearch:
             }
             points.append({"thickness_mm": thickness, "model": model, "traced": traced})
         return {
-            "min_mm": table.min_mm,
-            "max_mm": table.max_mm,
-            "step_mm": table.step_mm,
+            "min_mm": self.table.min_mm,
+            "max_mm": self.table.max_mm,
+            "step_mm": self.table.step_mm,
             "contrast_limit": self.limit,
             "least_mm": least,
             "points": points,

@@ -66,7 +66,7 @@ class DesignWork:
     def search_maps(self, contrast_target: float) -> list[Iteration]:
         """Return the traced maps; the interval of the last ends below the target, if one's does."""
         table, constraint = self.design.search, self.constraint
-        stop = {
+        stop: dict[str, Any] = {
             "iterations": table.iterations,
             "contrast_target": contrast_target,
             "finish": self._levelled,

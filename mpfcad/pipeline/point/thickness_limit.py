@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 #: Outcomes of a thickness: its contrast's interval below, across or above the limit.
 SERVES, UNDECIDED, FAILS = "serves", "undecided", "fails"
@@ -22,16 +23,16 @@ def outcome(contrast: dict[str, Any], limit: float) -> str:
     return SERVES if high <= limit else FAILS if low > limit else UNDECIDED
 
 
-def crossings(x: Sequence[float], y: Sequence[float], level: float) -> list[float]:
+def crossings(x: ArrayLike, y: ArrayLike, level: float) -> list[float]:
     """Return where y, linear between ascending x, passes `level`."""
-    x, above = np.asarray(x, float), np.asarray(y, float) - level
+    place, above = np.asarray(x, float), np.asarray(y, float) - level
     found = []
-    for i in range(len(x) - 1):
+    for i in range(len(place) - 1):
         if above[i] == 0 or above[i] * above[i + 1] < 0:
             share = above[i] / (above[i] - above[i + 1])
-            found.append(float(x[i] + share * (x[i + 1] - x[i])))
-    if len(x) and above[-1] == 0:
-        found.append(float(x[-1]))
+            found.append(float(place[i] + share * (place[i + 1] - place[i])))
+    if len(place) and above[-1] == 0:
+        found.append(float(place[-1]))
     return found
 
 

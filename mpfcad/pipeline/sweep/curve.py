@@ -26,6 +26,8 @@ def find_optima(sweep: Sweep, results: list[dict[str, Any]]) -> list[dict[str, A
     upper end of its interval is.
     """
     axis = main_axis(sweep)
+    if axis is None:
+        return []
     return [_optimum(axis, rest, curve, sweep) for rest, curve in curves_of(sweep, results)]
 
 

@@ -1,7 +1,8 @@
 """`run_sweep`: every point traced once, by any number of processes, and what they say together."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -110,8 +111,13 @@ def _traced(
                 client.submit(trace_point, point, pure=False): i for i, point in points.items()
             }
             yield ((futures[done], done.result()) for done in as_completed(futures))
-        if scheduler is None:
+        if not isinstance(cluster, str):
             cluster.close()
+
+
+def _of_curve(key: str, result: dict[str, Any]) -> Any:
+    """Return a column of the luminance over the pitch."""
+    return result["luminance"][key]
 
 
 def _describe(
@@ -137,7 +143,7 @@ def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> No
 
     shape = tuple(len(values) for values in sweep.axis.values())
 
-    def grid(pick) -> np.ndarray:
+    def grid(pick: Callable[[dict[str, Any]], Any]) -> np.ndarray:
         values = np.array([pick(result) for result in results])
         return values.reshape(shape + values.shape[1:])
 
@@ -160,7 +166,8 @@ def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> No
         of = unit if name.startswith("mean") else "mm" if name == "local_shift" else "1"
         data[name] = (axes, values, {"units": of})
     for name in ("luminance", "standard_error"):
-        values = grid(lambda r, key=f"{name}_cd_m2": r["luminance"][key])
+        key = f"{name}_cd_m2"
+        values = grid(partial(_of_curve, key))
         data[name] = ([*axes, "position_pitch"], values, {"units": unit})
     coordinates = dict(zip(axes, sweep.axis.values(), strict=True))
     coordinates["position_pitch"] = luminance["position_pitch"]
