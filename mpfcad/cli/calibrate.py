@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mpfcad.cli.calibration import print_calibration, write_calibration
 from mpfcad.cli.option import Json
 
 if TYPE_CHECKING:
@@ -59,12 +60,26 @@ def command(
         bool,
         typer.Option("--correct", help="Set sign and scale right by pitch and depth."),
     ] = False,
+    model: Annotated[
+        str,
+        typer.Option("--model", help="Of the calibration: tone (curve with intervals) or table."),
+    ] = "tone",
+    mesh: Annotated[
+        str | None,
+        typer.Option("--mesh", metavar="NAME", help="The coupons were printed through: 180-27."),
+    ] = None,
+    emulsion_um: Annotated[
+        float, typer.Option("--emulsion-um", min=0, help="Below that mesh.")
+    ] = 0.0,
+    solids: Annotated[
+        float, typer.Option("--solids", help="Of the resin that was printed: 0 … 1.")
+    ] = 1.0,
     widths: Annotated[int, typer.Option("--widths", min=2, help="Prism widths fitted.")] = 2,
     json: Json = False,
 ) -> int:
     """Find the curvature of printed grooves from stylus traces."""
     from mpfcad.errors import InputError
-    from mpfcad.film import Coupon, Groove, fit_stylus_trace, read_stylus_trace, write_process
+    from mpfcad.film import Coupon, Groove, fit_stylus_trace, read_stylus_trace
     from mpfcad.units import um
 
     rows = _read_coupons(files or [], aperture or [], coupons)
@@ -75,24 +90,26 @@ def command(
     traces = [read_stylus_trace(path, groove, widths, option) for path, _ in rows]
     fits = [fit_stylus_trace(trace, groove, prism_widths=widths) for trace in traces]
     if out is not None:
-        write_process(
-            out,
-            [
-                Coupon(ratio, fit.curvature.value, path.name)
-                for (path, ratio), fit in zip(rows, fits, strict=True)
-                if ratio is not None
-            ],
-            groove,
-        )
+        prints = [
+            Coupon(ratio, fit.curvature.value, path.name, fit.curvature.low, fit.curvature.high)
+            for (path, ratio), fit in zip(rows, fits, strict=True)
+            if ratio is not None
+        ]
+        found = write_calibration(out, prints, groove, model, mesh, emulsion_um, solids)
     figures = [
         _figures(path, ratio, trace, fit, groove)
         for (path, ratio), trace, fit in zip(rows, traces, fits, strict=True)
     ]
     if json:
         document = {"schema": 1, "prism_widths": widths, "traces": figures}
+        if out is not None:
+            document["process"] = found
         print(json_format.dumps(document, indent=1, ensure_ascii=False))
     else:
-        _print_table(figures, out)
+        _print_table(figures)
+        if out is not None:
+            print_calibration(found)
+            print(out)
     return 0
 
 
@@ -205,7 +222,7 @@ def _entry(bounds: list[float]) -> dict[str, Any]:
     return {"value": bounds[0], "ci95": bounds[1:]}
 
 
-def _print_table(figures: list[dict[str, Any]], out: Path | None) -> None:
+def _print_table(figures: list[dict[str, Any]]) -> None:
     for row in figures:
         print(row["reading"])
     print(_HEADER)
@@ -220,5 +237,3 @@ def _print_table(figures: list[dict[str, Any]], out: Path | None) -> None:
             f"{row['fill_fraction']['value']:>8.4f}{row['residual_rms_um']:>9.4f}"
             f"{row['fitted_residual_rms_um']:>12.4f}{row['tilt_deg']:>10.3f}"
         )
-    if out is not None:
-        print(out)

@@ -26,8 +26,15 @@ from mpfcad.film.imperfection import Imperfection, build_section
 from mpfcad.film.made import MadeFilm
 from mpfcad.film.measured import average_groove
 from mpfcad.film.process.file import read_process
+from mpfcad.film.process.levelling import levelling_length
 from mpfcad.film.process.model import Process, check_aperture_ratio, check_printable, groove_ranges
-from mpfcad.film.process.write import Coupon, write_process
+from mpfcad.film.process.posterior import (
+    PRIOR_RELEASE,
+    Calibration,
+    prior_belief,
+)
+from mpfcad.film.process.tone import ToneBelief, ToneCurve
+from mpfcad.film.process.write import Coupon, write_process, write_tone_process
 from mpfcad.film.section import Section
 from mpfcad.film.stylus.fit import Interval, StylusFit, fit_stylus_trace
 from mpfcad.film.stylus.reading import (
@@ -40,7 +47,9 @@ from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 
 __all__ = [
+    "PRIOR_RELEASE",
     "PROFILES",
+    "Calibration",
     "CellFilm",
     "CellShape",
     "Coupon",
@@ -63,6 +72,8 @@ __all__ = [
     "StylusFit",
     "StylusTip",
     "StylusTrace",
+    "ToneBelief",
+    "ToneCurve",
     "average_groove",
     "build_curvature_map",
     "build_section",
@@ -73,8 +84,10 @@ __all__ = [
     "fit_stylus_trace",
     "groove_ranges",
     "is_field_file",
+    "levelling_length",
     "parse_columns",
     "parse_units",
+    "prior_belief",
     "read_curvature_field",
     "read_curvature_table",
     "read_process",
@@ -82,4 +95,5 @@ __all__ = [
     "write_curvature_field",
     "write_curvature_map",
     "write_process",
+    "write_tone_process",
 ]

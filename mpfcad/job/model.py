@@ -9,13 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.film import FilmTable
+from mpfcad.job.screen import MaskTable, ProcessTable
 from mpfcad.job.table import Positive, Table
 
 Effort = Literal["quick", "standard", "final"]
-MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
-Furniture = Literal["fiducial", "text", "coupon"]
-DEFAULT_FORMATS: tuple[MaskFormat, ...] = ("oas", "gds")
-DEFAULT_FURNITURE: tuple[Furniture, ...] = ("fiducial", "text", "coupon")
 _Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rows = Annotated[list[_Row], Field(min_length=2)]
 DEFAULT_PRESET = "thesis-32in-mpf"
@@ -40,136 +37,6 @@ class MapTable(Table):
         if sum(value is not None for value in given) != 1:
             raise ValueError("expected exactly one of file, curvature_per_mm, rows")
         return self
-
-
-class ProcessTable(Table):
-    """`[process]`: the calibration of the screen printing; none means the built-in one."""
-
-    calibration: str | None = None
-
-
-class MeshTable(Table):
-    """`[mask.mesh]`: the screen's mesh, by name or by count and thread, and how it is used."""
-
-    name: str | None = None
-    threads_per_cm: Annotated[Positive, Field(le=1000)] | None = None
-    thread_um: Annotated[Positive, Field(le=1000)] | None = None
-    thickness_um: Annotated[Positive, Field(le=1000)] | None = None
-    emulsion_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
-    angle_deg: Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)] = 22.5
-    release: Annotated[Positive, Field(le=1)] | None = None
-
-    @model_validator(mode="after")
-    def _one_source(self) -> "MeshTable":
-        count = (self.threads_per_cm, self.thread_um)
-        if (self.name is None) == (None in count) or (self.name and any(count)):
-            raise ValueError("give either name or threads_per_cm and thread_um")
-        if self.name is not None and self.thickness_um is not None:
-            raise ValueError("a mesh by name has its own thickness: leave thickness_um out")
-        return self
-
-    @property
-    def thread(self) -> float:
-        """Diameter of the threads [mm]."""
-        return self._inside("thread_um")
-
-    @property
-    def thickness(self) -> float | None:
-        """Thickness of the fabric [mm], when it is known."""
-        return None if self.thickness_um is None else self._inside("thickness_um")
-
-    @property
-    def emulsion(self) -> float:
-        """How far the emulsion stands below the fabric [mm]."""
-        return self._inside("emulsion_um")
-
-    @property
-    def angle(self) -> float:
-        """Angle of the threads to the grooves [rad]."""
-        return self._inside("angle_deg")
-
-
-#: Periods of the patterns [µm] when the job gives none: cells as long as a groove is wide for dots.
-DEFAULT_PERIOD = {"staggered": 50.0, "angled": 50.0, "blue-noise": 50.0, "error-diffused": 50.0}
-
-
-class MaskTable(Table):
-    """`[mask]`: pattern and rules of the screen."""
-
-    pattern: Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"] = "slot"
-    period_um: Annotated[Positive, Field(le=10_000)] = 400.0
-    min_aperture_um: Positive = 15.0
-    min_web_um: Positive = 15.0
-    angle_deg: Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)] = 22.5
-    dot_um: Annotated[Positive, Field(le=2000)] | None = None
-    levelling_length_mm: Annotated[Positive, Field(le=100)] = 1.0
-    pixel_um: Annotated[Positive, Field(le=10_000)] | None = None
-    viewing_distance_mm: Annotated[Positive, Field(le=100_000)] = 500.0
-    mesh: MeshTable | None = None
-    formats: list[MaskFormat] = Field(default_factory=lambda: list(DEFAULT_FORMATS), min_length=1)
-    polarity: Literal["open", "closed"] = "open"
-    mirror: bool = False
-    emulsion_side: Literal["film", "squeegee"] = "film"
-    furniture: list[Furniture] = Field(default_factory=lambda: list(DEFAULT_FURNITURE))
-    tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
-
-    @model_validator(mode="before")
-    @classmethod
-    def _default_period(cls, table: Any) -> Any:
-        if isinstance(table, dict) and "period_um" not in table:
-            period = DEFAULT_PERIOD.get(str(table.get("pattern")))
-            return table if period is None else {**table, "period_um": period}
-        return table
-
-    @model_validator(mode="after")
-    def _room(self) -> "MaskTable":
-        smallest = self.min_aperture_um + self.min_web_um
-        if smallest > self.period_um:
-            raise ValueError(
-                f"min_aperture_um + min_web_um = {smallest:g} must be at most "
-                f"period_um = {self.period_um:g}"
-            )
-        return self
-
-    @property
-    def angle(self) -> float:
-        """Angle of the rows of an angled lattice to the across direction [rad]."""
-        return self._inside("angle_deg")
-
-    @property
-    def dot(self) -> float | None:
-        """Side of the dots of a stochastic pattern [mm], when it is given."""
-        return None if self.dot_um is None else self._inside("dot_um")
-
-    @property
-    def levelling_length(self) -> float:
-        """Over which the resin levels along a groove, full width at half maximum [mm]."""
-        return self._inside("levelling_length_mm")
-
-    @property
-    def pixel(self) -> float | None:
-        """Pitch of the display's pixels [mm], when it is given."""
-        return None if self.pixel_um is None else self._inside("pixel_um")
-
-    @property
-    def viewing_distance(self) -> float:
-        """From where the film is looked at [mm]."""
-        return self._inside("viewing_distance_mm")
-
-    @property
-    def period(self) -> float:
-        """Period of the apertures along the grooves [mm]."""
-        return self._inside("period_um")
-
-    @property
-    def min_aperture(self) -> float:
-        """Smallest aperture the screen maker keeps [mm]."""
-        return self._inside("min_aperture_um")
-
-    @property
-    def min_web(self) -> float:
-        """Smallest web between apertures [mm]."""
-        return self._inside("min_web_um")
 
 
 class CadTable(Table):
@@ -256,10 +123,15 @@ class ResinTable(Table):
 
 
 class GateTable(Table):
-    """`[gates]`: the limits of the lamp-Mura contrast."""
+    """`[gates]`: the limits of the lamp-Mura contrast, and of what the screen prints."""
 
     contrast_pass: Annotated[Positive, Field(le=1)] = 0.012
     contrast_marginal: Annotated[Positive, Field(le=1)] = 0.018
+    ratio_min: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 0.10
+    ratio_max: Annotated[Positive, Field(le=1)] = 0.85
+    ripple_curvature_per_mm: Positive = 0.5
+    ripple_luminance: Annotated[Positive, Field(le=1)] = 0.005
+    registration_curvature_per_mm: Positive = 1.0
 
     @model_validator(mode="after")
     def _order(self) -> "GateTable":

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm, Process, groove_ranges
-from mpfcad.mask.fabric import MESHES, Mesh, coarsest_mesh
+from mpfcad.mask.fabric import Mesh, coarsest_mesh, shipped_catalogue
 from mpfcad.units import deg, nm, um
 
 Pattern = Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"]
@@ -169,7 +169,7 @@ def suggest_mesh(rules: MaskRules, size: NDArray[np.float64], period: float) -> 
     mesh = coarsest_mesh(feature) if feature >= min(rules.min_aperture, rules.min_web) else None
     if mesh is not None:
         return f"; mesh {mesh.name} would do"
-    finest = min(MESHES.values(), key=lambda mesh: mesh.min_feature)
+    finest = min(shipped_catalogue(), key=lambda mesh: mesh.min_feature)
     needed = max(finest.min_feature, rules.min_aperture, rules.min_web)
     longer = ""
     if rules.pattern == "slot":

@@ -50,7 +50,8 @@ def test_calibration_file(traces, capsys, way):
         text = "".join(f"{name},{ratio}\n" for name, (ratio, _) in TRUTH.items())
         (traces / "list.csv").write_text("file,aperture_ratio\n" + text)
         arguments = ["--coupons", "list.csv"]
-    assert run_app(["calibrate", *arguments, "--out", "process.toml"]) == 0
+    options = ["--model", "table", "--out", "process.toml"]
+    assert run_app(["calibrate", *arguments, *options]) == 0
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1] == "process.toml"
     assert len(printed.splitlines()) == 8
@@ -59,9 +60,57 @@ def test_calibration_file(traces, capsys, way):
     assert process.curvature(ratio) == pytest.approx(curvature, abs=0.2)
 
 
+def test_a_tone_curve_is_calibrated_with_its_intervals(traces, capsys):
+    arguments = list(TRUTH)
+    for ratio, _ in TRUTH.values():
+        arguments += ["--aperture", str(ratio)]
+    options = ["--mesh", "120/305-34Y", "--out", "process.toml", "--json"]
+    assert run_app(["calibrate", *arguments, *options]) == 0
+    told = json.loads(capsys.readouterr().out)["process"]
+    process = read_process(traces / "process.toml", BEF)
+    assert process.kind == told["kind"] == "tone"
+    assert process.screen["mesh"] == "120-34"
+    for ratio, curvature in TRUTH.values():
+        low, high = process.curvature_interval(ratio)
+        assert low[0] - 0.5 < curvature < high[0] + 0.5
+        assert 0.2 < high[0] - low[0] < 6
+    for entry in told["tone"].values():
+        assert entry["ci95"][0] < entry["value"] < entry["ci95"][1]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (
+            [
+                "a.csv",
+                "b.csv",
+                "--aperture",
+                "0.05",
+                "--aperture",
+                "0.1",
+                "--mesh",
+                "119-34",
+                "--out",
+                "p.toml",
+            ],
+            "--mesh: '119-34': not in the catalogue",
+        ),
+        (
+            [
+                "a.csv",
+                "b.csv",
+                "--aperture",
+                "0.05",
+                "--aperture",
+                "0.1",
+                "--model",
+                "line",
+                "--out",
+                "p.toml",
+            ],
+            "--model: 'line': expected tone or table",
+        ),
         ([], "either traces or --coupons"),
         (["none.csv"], "none.csv: no such file"),
         (["a.csv", "--out", "p.toml"], "--out"),

@@ -41,7 +41,8 @@ def test_the_plan_says_what_screen_is_needed_and_makes_nothing(tmp_path):
     before = sorted(tmp_path.iterdir())
     result = mpfcad("mask", "job.toml", "--plan", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert "mesh 120-34: opening 49.33 µm, open area 35%, volume 17.87 cm³/m²" in result.stdout
+    assert "mesh 120-34: opening 49.33 µm, open area 35%, volume 18.23 cm³/m²" in result.stdout
+    assert "so 65% leaves" in result.stdout
     assert "a full groove needs 12.5 cm³/m²" in result.stdout
     assert "visible from 500 mm" in result.stdout
     assert sorted(tmp_path.iterdir()) == before
@@ -49,6 +50,7 @@ def test_the_plan_says_what_screen_is_needed_and_makes_nothing(tmp_path):
 
 def test_mesh_and_release_give_the_fill(tmp_path):
     mask = 'period_um = 1000.0\n[mask.mesh]\nname = "120-34"\nrelease = 0.5\nemulsion_um = 4.0'
+    mask += '\n[process]\nmodel = "linear"'
     job(tmp_path, UNIFORM, mask)
     result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -66,12 +68,15 @@ def test_mesh_and_release_give_the_fill(tmp_path):
     ("mask", "words"),
     [
         ("[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0", ["finer than its thread"]),
-        ('[mask.mesh]\nname = "1-2"', ["mask.mesh: '1-2': allowed one of 43-80"]),
+        (
+            '[mask.mesh]\nname = "1-2"',
+            ["mask.mesh: '1-2': not in the catalogue: expected a name such as 120-34"],
+        ),
         ('[mask.mesh]\nname = "90-48"\nthread_um = 4.0', ["mask.mesh", "give either name or"]),
-        ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, threads"]),
+        ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, catalogue"]),
         ('[mask.mesh]\nname = "90-48"', ["grooves 0-679", "no common mesh would do"]),
         ('pattern = "stripe"', ["mask.pattern: stripe: must be 'slot', 'dot'"]),
-        ("period_um = 1000.0\n[mask.mesh]\nname = '90-48'", ["mesh 120-31 would do"]),
+        ("period_um = 700.0\n[mask.mesh]\nname = '90-48'", ["mesh 120-31 would do"]),
     ],
 )
 def test_what_cannot_be_made_is_said_in_one_line(tmp_path, mask, words):

@@ -190,7 +190,7 @@ def test_what_the_process_cannot_reach_is_refused(table):
     check_printable(DEFAULT, [0.0, 60.0, 80.0], "job")
     check_printable(table, [table.curvature_min, 80.0], "job")
     low = table.curvature_min
-    with pytest.raises(InputError, match=r"^job: grooves 1-2, 4: .*5 … 17: allowed 18 … 80"):
+    with pytest.raises(InputError, match=r"^job: grooves 1-2, 4: .*5 … 17: expected 18 … 80"):
         check_printable(table, [60, 5, 17, 60, low - 2], "job")
     with pytest.raises(InputError, match="groove 0: "):
         check_printable(DEFAULT, [81.0], "job")
@@ -199,7 +199,7 @@ def test_what_the_process_cannot_reach_is_refused(table):
 def test_aperture_ratios_out_of_range_are_refused():
     check_aperture_ratio(DEFAULT, [0, DEFAULT.aperture_ratio_max], "field")
     for value in (-0.01, 0.81, 1.2, float("nan")):
-        with pytest.raises(InputError, match=r"^field: aperture_ratio .*allowed 0 … 0\.8008"):
+        with pytest.raises(InputError, match=r"^field: aperture_ratio .*expected 0 … 0\.8008"):
             check_aperture_ratio(DEFAULT, [0.1, value], "field")
 
 

@@ -154,7 +154,7 @@ def test_calibration_is_read_back(tmp_path):
 @pytest.mark.parametrize(
     ("coupons", "words"),
     [
-        ([Coupon(0.1, 55.0, "a")], "allowed two or more different"),
+        ([Coupon(0.1, 55.0, "a")], "expected two or more different"),
         ([Coupon(0.1, 55.0, "a"), Coupon(0.2, 60.0, "b")], "p.toml: row 2: fill_fraction"),
     ],
 )

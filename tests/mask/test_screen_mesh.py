@@ -6,7 +6,13 @@ import pytest
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, PrismFilm, read_process
 from mpfcad.mask import MaskRules, build_mask
-from mpfcad.mask.fabric import MESHES, build_mesh, coarsest_mesh, find_mesh
+from mpfcad.mask.fabric import (
+    build_mesh,
+    coarsest_mesh,
+    find_mesh,
+    read_catalogue,
+    shipped_catalogue,
+)
 
 BEF = Groove(0.050, 0.025)
 PROCESS = read_process(None, BEF)
@@ -16,7 +22,8 @@ PROCESS = read_process(None, BEF)
     ("name", "open_area", "volume"), [("90-40", 42, 25), ("90-48", 33, 24), ("90-54", 27, 23)]
 )
 def test_the_catalogue_figures_come_out(name, open_area, volume):
-    mesh = MESHES[name]
+    mesh = find_mesh(name)
+    assert mesh.is_sourced
     assert round(100 * mesh.open_area) == open_area
     assert round(1000 * mesh.fabric_volume) == volume  # mm of height are 1000 cm³/m²
 
@@ -43,8 +50,85 @@ def test_openings_follow_from_count_and_thread():
 def test_a_mesh_finer_than_its_thread_is_refused():
     with pytest.raises(InputError, match=r"^here: 250 threads/cm of 48 µm: finer than its thread"):
         build_mesh(250, 0.048, where="here")
-    with pytest.raises(InputError, match=r"'91-48': allowed one of 43-80, .*180-27"):
-        find_mesh("91-48")
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("120-34", "120-34"),
+        ("120/305-34", "120-34"),
+        ("305-34", "120-34"),
+        ("120.34", "120-34"),
+        ("120/305-34W PW", "120-34"),
+        ("PET 1500 120/305-34Y PW", "120-34"),
+        ("225-48", "90-48"),
+        ("90/225-40", "90-40"),
+        ("355-34", "140-34"),
+        ("460-27", "180-27"),
+        (" 180-27Y ", "180-27"),
+    ],
+)
+def test_the_trade_s_spellings(text, name):
+    assert find_mesh(text).name == name
+
+
+@pytest.mark.parametrize(
+    ("text", "near"),
+    [
+        ("91-48", "90-48, 90-54, 90-40"),
+        ("120T", "120-31, 120-34"),
+        ("460/27", "180-27"),
+        ("?", "43"),
+    ],
+)
+def test_an_unknown_name_lists_the_nearest(text, near):
+    with pytest.raises(InputError, match=rf"^here: '.*': not in the catalogue: .*{near}"):
+        find_mesh(text, where="here")
+
+
+def test_what_is_computed_carries_its_width():
+    for mesh in shipped_catalogue():
+        assert mesh.is_sourced == ("computed" not in mesh.source)
+        assert (0.01 < mesh.volume_width < 0.03) == mesh.is_sourced
+        assert mesh.volume_width < 0.2
+    # The rule for thickness holds for the meshes whose thickness is known.
+    for mesh in (mesh for mesh in shipped_catalogue() if mesh.is_sourced):
+        guess = build_mesh(mesh.count * 10, mesh.thread)
+        assert abs(guess.thickness - mesh.thickness) <= guess.thickness_width + 0.0005
+        assert abs(guess.opening - mesh.opening) <= guess.opening_width + 0.0005
+
+
+HEADER = "name,material,threads_per_cm,thread_um,opening_um,thickness_um,source\n"
+
+
+def test_a_weaver_s_table_is_a_catalogue(tmp_path):
+    file = tmp_path / "weaver.csv"
+    file.write_text(HEADER + 'SD 165/30,steel,165,30,30.6,46,"sheet, 2025"\n', "utf-8")
+    (mesh,) = read_catalogue(file)
+    assert (mesh.material, mesh.is_sourced) == ("steel", True)
+    assert find_mesh("sd 165/30", catalogue=(mesh,)) is not None
+    assert find_mesh("165-30", catalogue=(mesh,), emulsion=0.004).emulsion == 0.004
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("a,polyester,120,34,,", "row 2: 6 columns: expected 7"),
+        ("a,nylon,120,34,,,x", "row 2: material: 'nylon': expected 'polyester' or 'steel'"),
+        ("a,steel,120,,,,x", "row 2: thread_um: '': expected a number above 0"),
+        ("a,steel,120,34,-3,,x", "row 2: opening_um: '-3': expected a number above 0"),
+        ("a,steel,120,34,300,,x", "row 2: opening 300 µm: expected less than"),
+        ("a,steel,120,90,,,x", "row 2: 120 threads/cm of 90 µm: finer than its thread"),
+        ("a,steel,120,34,,,", "row 2: name, source: expected both"),
+        ("a,steel,120,34,,,x\nA,steel,100,34,,,x", "row 3: name: A: expected it once"),
+    ],
+)
+def test_a_table_that_is_wrong_is_refused(tmp_path, row, words):
+    file = tmp_path / "weaver.csv"
+    file.write_text(HEADER + row + "\n", "utf-8")
+    with pytest.raises(InputError, match=r"weaver\.csv: ") as error:
+        read_catalogue(file)
+    assert words in str(error.value)
 
 
 def test_the_coarsest_mesh_gives_most_resin():

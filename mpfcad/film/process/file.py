@@ -1,6 +1,7 @@
 """Calibrations of the printing process on disk (TOML), and the one that is built in."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,11 +11,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.process.model import Process
+from mpfcad.film.process.tone import PARAMETERS, ToneBelief
 from mpfcad.units import um
 
 Ratio = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Curvature = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 #: The three ways in which a calibration may state what was printed.
 RESULTS = ("curvature_per_mm", "fitted_curvature_per_mm", "fill_fraction")
 
@@ -55,7 +58,7 @@ class _Row(_Strict):
     @model_validator(mode="after")
     def _one_result(self) -> "_Row":
         if sum(getattr(self, name) is not None for name in RESULTS) != 1:
-            raise ValueError(f"allowed exactly one of {', '.join(RESULTS)}")
+            raise ValueError(f"expected exactly one of {', '.join(RESULTS)}")
         return self
 
     def fill_in(self, groove: Groove) -> float:
@@ -68,7 +71,7 @@ class _Row(_Strict):
         assert curvature is not None  # exactly one of the three is given
         if curvature > groove.curvature_empty:
             top = groove.curvature_empty
-            raise ValueError(f"curvature_per_mm: {curvature:g}: allowed 0 … {top:g}")
+            raise ValueError(f"curvature_per_mm: {curvature:g}: expected 0 … {top:g}")
         return float(groove.fill_fraction(curvature))
 
 
@@ -79,23 +82,73 @@ class _GrooveSize(_Strict):
     depth_um: Positive = 25.0
 
 
+class _Tone(_Strict):
+    """A tone curve with the deviations and correlations of `PARAMETERS`."""
+
+    transfer_factor: Positive
+    dead_zone: Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
+    contrast: Positive
+    gain: Positive
+    deviation: Annotated[list[NotNegative], Field(min_length=4, max_length=4)]
+    correlation: Annotated[list[list[float]], Field(min_length=4, max_length=4)]
+
+    def belief(self) -> ToneBelief:
+        """Return it; a ValueError says what is no covariance."""
+        logs = [np.log(self.transfer_factor), self.dead_zone]
+        mean = np.array([*logs, np.log(self.contrast), np.log(self.gain)])
+        if any(len(row) != len(PARAMETERS) for row in self.correlation):
+            raise ValueError("tone.correlation: expected 4 rows of 4")
+        matrix = np.array(self.correlation)
+        sound = np.allclose(matrix, matrix.T, atol=1e-6) and np.allclose(np.diag(matrix), 1)
+        if not (sound and np.linalg.eigvalsh(matrix).min() > -1e-6):
+            raise ValueError("tone.correlation: expected 1 on the diagonal and a symmetric matrix")
+        return ToneBelief(mean, np.outer(self.deviation, self.deviation) * matrix)
+
+
+class _Screen(_Strict):
+    """The screen that the coupons were printed through."""
+
+    mesh: str | None = None
+    volume_cm3_m2: Positive
+    solids_fraction: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 1.0
+
+
+class _Coupon(_Strict):
+    """One print that the tone curve was found from; for the reader, not used again."""
+
+    file: str
+    aperture_ratio: Ratio
+    fill_fraction: Ratio
+    ci95: list[float]
+
+
 class _Calibration(_Strict):
     schema_: Literal[1] = Field(alias="schema")
-    kind: Literal["volume", "table"]
+    kind: Literal["volume", "table", "tone"]
     source: Annotated[str, Field(min_length=1)]
     caveats: list[str] = []
     groove: _GrooveSize = _GrooveSize()
     transfer_factor: Positive | None = None
     pair: _Row | None = None
     row: list[_Row] | None = None
+    tone: _Tone | None = None
+    screen: _Screen | None = None
+    coupon: list[_Coupon] = []
 
     @model_validator(mode="after")
     def _fits_kind(self) -> "_Calibration":
-        if self.kind == "table":
+        if (self.kind == "tone") != (self.tone is not None):
+            raise ValueError("expected [tone] for kind 'tone', and for no other")
+        if self.kind == "tone":
+            if self.pair or self.transfer_factor or self.row:
+                raise ValueError("expected [tone] and neither pair, transfer_factor nor [[row]]")
+        elif self.kind == "table":
             if self.pair or self.transfer_factor or len(self.row or []) < 2:
-                raise ValueError("allowed two or more [[row]] and nothing else for a table")
+                raise ValueError("expected two or more [[row]] and nothing else for a table")
         elif self.row or (self.pair is None) == (self.transfer_factor is None):
-            raise ValueError("allowed exactly one of [pair] and transfer_factor for a volume model")
+            raise ValueError(
+                "expected exactly one of [pair] and transfer_factor for a volume model"
+            )
         return self
 
 
@@ -105,7 +158,7 @@ def read_process(path: Path | None, groove: Groove) -> Process:
     Raises
     ------
     InputError
-        one line with file, field or row, value and allowed range.
+        one line with file, field or row, value and expected range.
     """
     if path is None:
         return _build_process("built-in process", PUBLISHED, groove)
@@ -113,7 +166,7 @@ def read_process(path: Path | None, groove: Groove) -> Process:
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError:
-        raise InputError(f"{path}: no such file: allowed a process calibration (TOML)") from None
+        raise InputError(f"{path}: no such file: expected a process calibration (TOML)") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not TOML: {error}") from None
     return _build_process(str(path), data, groove)
@@ -125,6 +178,17 @@ def _build_process(where: str, data: dict[str, Any], groove: Groove) -> Process:
     except ValidationError as error:
         raise InputError(f"{where}: {_first_error(error)}") from None
     made_in = Groove(given.groove.pitch_um * um, given.groove.depth_um * um)
+    screen = {} if given.screen is None else given.screen.model_dump()
+    if given.tone is not None:
+        try:
+            belief = given.tone.belief().scaled(made_in.depth / groove.depth)
+        except ValueError as error:
+            raise InputError(f"{where}: {error}") from None
+        solids = screen.get("solids_fraction", 1.0)
+        return Process.build_tone(
+            groove, belief, given.source, tuple(given.caveats), solids_fraction=solids,
+            screen=screen,
+        )  # fmt: skip
     if given.transfer_factor is not None:
         ratio, fill = np.ones(1), np.array([given.transfer_factor])
     else:
@@ -136,7 +200,9 @@ def _build_process(where: str, data: dict[str, Any], groove: Groove) -> Process:
         if given.kind == "volume":
             ratio, fill = np.ones(1), fill / ratio
     fill = fill * (made_in.depth / groove.depth)
-    return Process.build(groove, given.kind, ratio, fill, given.source, tuple(given.caveats))
+    kind: Literal["volume", "table"] = "volume" if given.kind == "volume" else "table"
+    process = Process.build(groove, kind, ratio, fill, given.source, tuple(given.caveats))
+    return replace(process, screen=screen)
 
 
 def _fill(where: str, name: str, row: _Row, groove: Groove) -> float:
@@ -153,12 +219,12 @@ def _check_growth(where: str, names: list[str], ratio: np.ndarray, fill: np.ndar
         if not (i == 0 and len(names) > 1 and a == f == 0):
             if a <= before[1]:
                 raise InputError(
-                    f"{where}: {name}: aperture_ratio {a:g}: not monotone: allowed more than "
+                    f"{where}: {name}: aperture_ratio {a:g}: not monotone: expected more than "
                     f"{before[1]:g} of {before[0]}"
                 )
             if f <= before[2]:
                 raise InputError(
-                    f"{where}: {name}: fill_fraction {f:.4g}: not monotone: allowed more than "
+                    f"{where}: {name}: fill_fraction {f:.4g}: not monotone: expected more than "
                     f"{before[2]:.4g} of {before[0]} (more aperture, more fill, less curvature)"
                 )
         before = (name, a, f)

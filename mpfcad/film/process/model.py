@@ -4,9 +4,11 @@ Resin pressed through the apertures fills the grooves, so fill_fraction is a gro
 aperture_ratio with fill(0) = 0. It is kept as straight lines between knots, whose inverse is exact:
 
 * `volume`: fill_fraction = transfer_factor · aperture_ratio;
-* `table`: measured rows.
+* `table`: measured rows;
+* `tone`: transfer_factor · tone curve (`tone.py`), with what is not known of it.
 
-Both end where the groove is full (fill 1) or at the last row. The resin laid down per area does not
+All end where the groove is full (fill 1; of diluted resin: full of what was printed) or at the last
+row. The resin laid down per area does not
 depend on the groove, so a calibration made in a groove of depth d0 is scaled by d0/depth.
 """
 
@@ -18,8 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
+from mpfcad.film.process.tone import PARAMETERS, ToneBelief
 
-ProcessKind = Literal["volume", "table"]
+ProcessKind = Literal["volume", "table", "tone"]
+#: Standard deviations to either side of a 95 % interval.
+NORMAL_95 = 1.959963984540054
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,12 @@ class Process:
         where the calibration comes from
     caveats
         what its user has to know
+    belief
+        transfer factor and tone curve with their covariance; None unless the kind is `tone`
+    log_deviation
+        standard deviation of ln(fill) at all ratios, besides the belief's; None: not known
+    screen
+        what of the screen the process holds for, in outside names; empty: not stated
     """
 
     groove: Groove
@@ -48,6 +59,9 @@ class Process:
     knot_fill: NDArray[np.float64]
     source: str
     caveats: tuple[str, ...] = field(default=())
+    belief: ToneBelief | None = None
+    log_deviation: float | None = None
+    screen: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def build(
@@ -58,21 +72,58 @@ class Process:
         fill: ArrayLike,
         source: str,
         caveats: tuple[str, ...] = (),
+        *,
+        full: float = 1.0,
     ) -> "Process":
-        """Return the process with the given knots, (0, 0) put before and cut where fill is 1."""
+        """Return the process with given knots, (0, 0) put before and cut where fill is `full`."""
         ratio, fill = np.array(ratio, float), np.array(fill, float)
         if ratio[0] > 0:
             ratio, fill = np.append(0.0, ratio), np.append(0.0, fill)
-        if fill[-1] > 1:
-            full = np.interp(1.0, fill, ratio)
-            ratio, fill = np.append(ratio[fill < 1], full), np.append(fill[fill < 1], 1.0)
+        if fill[-1] > full:
+            last = np.interp(full, fill, ratio)
+            ratio, fill = np.append(ratio[fill < full], last), np.append(fill[fill < full], full)
         ratio.flags.writeable = fill.flags.writeable = False
         return cls(groove, kind, ratio, fill, source, caveats)
 
+    @classmethod
+    def build_tone(
+        cls,
+        groove: Groove,
+        belief: ToneBelief,
+        source: str,
+        caveats: tuple[str, ...] = (),
+        *,
+        solids_fraction: float = 1.0,
+        screen: dict[str, Any] | None = None,
+    ) -> "Process":
+        """Return the process of a tone curve; its transfer factor is that of the dried resin.
+
+        Of resin diluted to `solids_fraction` the groove is full of what was printed when the dried
+        fill is that fraction.
+        """
+        curve, factor = belief.curve, belief.transfer_factor
+        share = np.union1d(np.geomspace(1e-6, 1, 1500), np.linspace(0, 1, 1501))
+        ratio, fill = curve.aperture_ratio(share), factor * share
+        top = solids_fraction
+        if fill[-1] > top:
+            full = float(curve.aperture_ratio(top / factor))
+            ratio, fill = np.append(ratio[fill < top], full), np.append(fill[fill < top], top)
+        ratio.flags.writeable = fill.flags.writeable = False
+        return cls(
+            groove, "tone", ratio, fill, source, caveats, belief, None, dict(screen or {})
+        )  # fmt: skip
+
     @property
     def transfer_factor(self) -> float | None:
-        """Fill fraction per aperture ratio of the volume model; None for a table."""
+        """Fill fraction at aperture ratio 1, could the groove hold it; None for a table."""
+        if self.belief is not None:
+            return self.belief.transfer_factor
         return float(self.knot_fill[1] / self.knot_ratio[1]) if self.kind == "volume" else None
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether fill is proportional to the aperture ratio."""
+        return self.kind == "volume"
 
     @property
     def aperture_ratio_max(self) -> float:
@@ -105,10 +156,31 @@ class Process:
         """Return the aperture ratio that a curvature [1/mm] through the tips needs."""
         return self.aperture_ratio(self.groove.fill_fraction(curvature))
 
+    def fill_deviation(self, aperture_ratio: ArrayLike) -> NDArray[np.float64] | None:
+        """Return the standard deviation of ln(fill) at aperture ratios; None when not known."""
+        ratio = np.atleast_1d(np.asarray(aperture_ratio, float))
+        if self.belief is not None:
+            return self.belief.log_deviation(ratio)
+        return None if self.log_deviation is None else np.full(ratio.shape, self.log_deviation)
+
+    def curvature_interval(
+        self, aperture_ratio: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Return the 95 % interval of the curvature [1/mm] that ratios give; None: not known."""
+        deviation = self.fill_deviation(aperture_ratio)
+        if deviation is None:
+            return None
+        fill = self.fill_fraction(aperture_ratio)
+        low, high = (np.clip(fill * np.exp(s * NORMAL_95 * deviation), 0, 1) for s in (1, -1))
+        return self.groove.curvature_of_fill(low), self.groove.curvature_of_fill(high)
+
     def describe(self) -> dict[str, Any]:
         """Return the calibration in outside names, fit for JSON."""
         described: dict[str, Any] = {"kind": self.kind}
-        if self.kind == "volume":
+        if self.belief is not None:
+            described["transfer_factor"] = self.transfer_factor
+            described["tone"] = describe_belief(self.belief)
+        elif self.kind == "volume":
             described["transfer_factor"] = self.transfer_factor
         else:
             curvature = self.groove.curvature_of_fill(self.knot_fill)
@@ -128,7 +200,20 @@ class Process:
             "curvature_min_per_mm": self.curvature_min,
             "source": self.source,
             "caveats": list(self.caveats),
+            "screen": self.screen or None,
         }
+
+
+def describe_belief(belief: ToneBelief) -> dict[str, Any]:
+    """Return a belief in outside names: each parameter's value and 95 % interval."""
+    described = {}
+    for i, name in enumerate(PARAMETERS):
+        ends = [belief.mean[i] + s * NORMAL_95 * belief.deviation[i] for s in (0, -1, 1)]
+        if name.startswith("ln_"):
+            ends = [np.exp(end) for end in ends]
+        value, low, high = (float(end) for end in ends)
+        described[name.removeprefix("ln_")] = {"value": value, "ci95": [low, high]}
+    return described
 
 
 def groove_ranges(index: ArrayLike, most: int = 6) -> str:
@@ -159,7 +244,7 @@ def check_printable(process: Process, curvature: ArrayLike, where: str) -> None:
     if bad.size:
         raise InputError(
             f"{where}: {groove_ranges(bad)}: curvature_per_mm "
-            f"{curvature[bad].min():.4g} … {curvature[bad].max():.4g}: allowed "
+            f"{curvature[bad].min():.4g} … {curvature[bad].max():.4g}: expected "
             f"{process.curvature_min:.4g} … {process.groove.curvature_empty:.4g}, "
             f"what the process reaches (fill 0 … {process.fill_fraction_max:.4g} with aperture "
             f"ratios 0 … {process.aperture_ratio_max:.4g})"
@@ -179,6 +264,6 @@ def check_aperture_ratio(process: Process, aperture_ratio: ArrayLike, where: str
     bad = ratio[~((ratio >= 0) & (ratio <= top * (1 + 1e-12)))]
     if bad.size:
         raise InputError(
-            f"{where}: aperture_ratio {bad[0]:g}: allowed 0 … {top:.4g} (there the groove's fill "
+            f"{where}: aperture_ratio {bad[0]:g}: expected 0 … {top:.4g} (there the groove's fill "
             f"is {process.fill_fraction_max:.4g})"
         )

@@ -8,6 +8,7 @@ curve. The levelling length is that curve's full width at half maximum. Nothing 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.mask.aperture import Mask
 
@@ -19,7 +20,7 @@ GROOVES, STRETCH = 64, 60
 POINTS = 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Residual:
     """How far the levelled ratio is from the levelled wanted one, over sampled grooves.
 
@@ -31,16 +32,26 @@ class Residual:
         mean wanted ratio of the sample
     levelling_length
         of the resin [mm]
+    groove
+        (k,) int64, the grooves that were looked at, counted from 0
+    groove_ratio, groove_rms
+        (k,) float64, each one's mean wanted ratio, and root mean square of the distance
     """
 
     rms: float
     worst: float
     mean_ratio: float
     levelling_length: float
+    groove: NDArray[np.int64]
+    groove_ratio: NDArray[np.float64]
+    groove_rms: NDArray[np.float64]
 
 
 def levelling_residual(mask: Mask) -> Residual:
-    """Return what levelling leaves of the pattern of a mask, away from the panel's ends."""
+    """Return what levelling leaves of the pattern of a mask, away from the panel's ends.
+
+    The sampled grooves are spread evenly, with those of the smallest and the largest ratio.
+    """
     from scipy.ndimage import gaussian_filter1d
 
     width = mask.rules.levelling_length
@@ -48,9 +59,9 @@ def levelling_residual(mask: Mask) -> Residual:
     points = int(np.ceil(POINTS * stretch / min(width, mask.period))) + 1
     sigma = width / FULL_WIDTH / (stretch / (points - 1))
     margin = min(round(4 * sigma), (points - 1) // 3)
-    grooves = np.unique(np.linspace(0, mask.groove_count - 1, GROOVES).astype(int))
+    grooves = _sample(mask)
     share = (np.arange(len(grooves)) * 0.6180339887) % 1
-    square, worst, wanted_sum, number = 0.0, 0.0, 0.0, 0
+    square, worst, ratio = [], 0.0, []
     for groove, start in zip(grooves, share * (mask.length - stretch), strict=True):
         position = start + np.linspace(0, stretch, points)
         drawn, wanted = (
@@ -58,8 +69,18 @@ def levelling_residual(mask: Mask) -> Residual:
             for integral in (mask.open_length, mask.wanted_length)
         )
         error = gaussian_filter1d(drawn - wanted, sigma)[margin : points - 1 - margin]
-        square += float(np.sum(error**2))
+        square.append(float(np.mean(error**2)))
         worst = max(worst, float(np.abs(error).max()))
-        wanted_sum += float(wanted.mean()) * len(error)
-        number += len(error)
-    return Residual((square / number) ** 0.5, worst, wanted_sum / number, width)
+        ratio.append(float(wanted.mean()))
+    rms = float(np.sqrt(np.mean(square)))
+    return Residual(
+        rms, worst, float(np.mean(ratio)), width, grooves, np.array(ratio), np.sqrt(square)
+    )
+
+
+def _sample(mask: Mask) -> NDArray[np.int64]:
+    spread = np.linspace(0, mask.groove_count - 1, GROOVES).astype(np.int64)
+    wanted = mask.wanted_ratio
+    least = np.where(wanted > 1e-9, wanted, np.inf)
+    ends = [int(np.argmin(least)), int(np.argmax(wanted))]
+    return np.unique(np.append(spread, ends))

@@ -7,22 +7,24 @@ import numpy as np
 from mpfcad.film import Process
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.fabric import Mesh
-from mpfcad.mask.pattern.levelling import levelling_residual
 from mpfcad.mask.rule import ratio_range
 from mpfcad.mask.screen.moire import Beat, MoireSetting, find_beats, gratings, suggest
+from mpfcad.mask.screen.printing import Printing
 from mpfcad.units import deg, um
 
 #: Beats that are listed.
 MOST_BEATS = 12
 
 
-def describe_screen(mask: Mask, process: Process, setting: MoireSetting) -> dict[str, Any]:
+def describe_screen(
+    mask: Mask, process: Process, setting: MoireSetting, printing: Printing
+) -> dict[str, Any]:
     """Return the screen of a mask in outside names, fit for JSON."""
     wanted, groove = mask.wanted_ratio, process.groove
     low, high = ratio_range(mask.rules, groove.pitch, mask.period)
     high = min(high, process.aperture_ratio_max)
-    residual = levelling_residual(mask)
     return {
+        "screen": "phototool only" if mask.rules.mesh is None else mask.rules.mesh.name,
         "pattern": mask.rules.pattern,
         "period_um": mask.period / um,
         "aperture_count": mask.aperture_count,
@@ -39,18 +41,15 @@ def describe_screen(mask: Mask, process: Process, setting: MoireSetting) -> dict
             "min_web_um": mask.rules.web_limit / um,
         },
         "full_groove_volume_cm3_m2": groove.area / groove.pitch / um,
-        "mesh": _describe_mesh(mask.rules.mesh, process, setting),
-        "levelling": {
-            "levelling_length_mm": residual.levelling_length,
-            "aperture_ratio_error_rms": residual.rms,
-            "aperture_ratio_error_max": residual.worst,
-        },
+        "mesh": _describe_mesh(mask.rules.mesh, process, setting, printing),
+        "printing": printing.document(),
+        "process": process.describe() if process.kind != "table" else {"kind": "table"},
         "moire": _describe_moire(mask, setting, float(wanted.mean())),
     }
 
 
 def _describe_mesh(
-    mesh: Mesh | None, process: Process, setting: MoireSetting
+    mesh: Mesh | None, process: Process, setting: MoireSetting, printing: Printing
 ) -> dict[str, Any] | None:
     if mesh is None:
         return None
@@ -65,12 +64,14 @@ def _describe_mesh(
         "angle_deg": setting.mesh_angle / deg,
         "ink_volume_cm3_m2": mesh.fabric_volume / um,
         "volume_with_emulsion_cm3_m2": mesh.volume / um,
+        "volume_width": mesh.volume_width,
+        "material": mesh.material,
         "transfer_factor_if_all_leaves": mesh.transfer_factor(process.groove),
         "source": mesh.source,
     }
     if process.transfer_factor is not None:
         described["transfer_factor"] = process.transfer_factor
-        described["release"] = mesh.release(process.groove, process.transfer_factor)
+        described["release"] = printing.release
     return described
 
 
@@ -120,13 +121,22 @@ def screen_lines(screen: dict[str, Any]) -> list[str]:
         )
         + f"(aperture from {makeable['min_aperture_um']:.4g} µm, "
         f"web from {makeable['min_web_um']:.4g} µm)",
-        "after levelling over {levelling_length_mm:g} mm the ratio is off by "
-        "{aperture_ratio_error_rms:.2g} rms, {aperture_ratio_error_max:.2g} at most".format(
-            **screen["levelling"]
-        ),
+        "after levelling over {levelling_length_mm:.3g} mm the curvature ripples by "
+        "{ripple_curvature_per_mm:.2g} /mm rms in groove {ripple_groove}, the luminance by "
+        "{ripple_luminance:.2g}".format(**screen["printing"]),
+        "a print shifted by {registration_um:g} µm changes the curvature by up to "
+        "{registration_curvature_per_mm:.2g} /mm".format(**screen["printing"]),
     ]
+    width = screen["printing"]["curvature_half_width_per_mm"]
+    lines.append(
+        "how sure the process is: not known"
+        if width is None
+        else f"the process knows the curvature to ± {width:.2g} /mm (95 %)"
+    )
     if screen["mesh"]:
         lines += _mesh_lines(screen["mesh"], screen["full_groove_volume_cm3_m2"])
+    else:
+        lines.append("phototool only: the job names no mesh, so nothing is said of printability")
     return lines + _moire_lines(screen["moire"])
 
 

@@ -26,7 +26,8 @@ from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
 from mpfcad.pipeline.effort import NO_GOAL
-from mpfcad.pipeline.plan.plan import Plan, read_job_process, read_job_stack, read_plan
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.plan.process import read_job_process
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad
 from mpfcad.store import Store

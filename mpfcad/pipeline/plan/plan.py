@@ -29,7 +29,6 @@ from mpfcad.film import (
     build_curvature_map,
     check_curvature,
     read_curvature_table,
-    read_process,
     write_curvature_field,
     write_curvature_map,
 )
@@ -43,7 +42,8 @@ from mpfcad.pipeline.plan.field import (
     refuse_window,
 )
 from mpfcad.pipeline.plan.made import Drawn, draw_piece, read_measured
-from mpfcad.pipeline.plan.screen import mesh_process
+from mpfcad.pipeline.plan.process import read_job_process
+from mpfcad.pipeline.plan.screen import with_own_catalogue
 
 CURVATURE_FILE = "curvature.csv"
 
@@ -139,6 +139,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         when a file or a value in it is wrong.
     """
     job_file = Path(job_file)
+    job = with_own_catalogue(job, job_file)
     folder = job_file.parent
     files = {
         name: folder / name
@@ -355,21 +356,3 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
     if not stack.has_slot:
         raise InputError(f"{job_file}: stack: {source}: has no film: a job needs one to make")
     return stack
-
-
-def read_job_process(
-    job: Job, calibration: Path | None, groove: Groove, where: str
-) -> Process | None:
-    """Return the printing process; None for an `ideal` film, which no print can make, or for cells.
-
-    It is the mesh's when the job states its release, else that of the calibration, else built in.
-
-    Raises
-    ------
-    InputError
-        when the calibration or the mesh is wrong.
-    """
-    if job.film.profile != "filled" or job.film.cell != "groove":
-        return None
-    by_mesh = mesh_process(job.mask, calibration is not None, groove, where)
-    return by_mesh or read_process(calibration, groove)

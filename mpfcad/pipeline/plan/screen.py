@@ -1,15 +1,22 @@
-"""From the job's `[mask]` to the rules of a mask, the screen's mesh and its process."""
+"""From the job's `[mask]` to the rules of a mask, and the screen's mesh."""
+
+from pathlib import Path
 
 from mpfcad.errors import InputError
-from mpfcad.film import Groove, Process
-from mpfcad.job.model import MaskTable, MeshTable
-from mpfcad.mask.fabric import Mesh, build_mesh, find_mesh
+from mpfcad.film import Groove, Process, levelling_length
+from mpfcad.job import Job
+from mpfcad.job.screen import MaskTable, MeshTable
+from mpfcad.mask.fabric import Mesh, build_mesh, find_mesh, read_catalogue
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting
+from mpfcad.units import um
+
+#: How far depth over half the pitch may be from 1 for the flow of a groove of 90°.
+RIGHT_ANGLE = 0.02
 
 
-def mask_rules(table: MaskTable, where: str) -> MaskRules:
-    """Return the rules that a job's `[mask]` gives.
+def mask_rules(table: MaskTable, where: str, levelling: float | None = None) -> MaskRules:
+    """Return the rules that a job's `[mask]` gives; `levelling` [mm] replaces its length.
 
     Raises
     ------
@@ -23,7 +30,7 @@ def mask_rules(table: MaskTable, where: str) -> MaskRules:
         min_web=table.min_web,
         angle=table.angle,
         dot=table.dot,
-        levelling_length=table.levelling_length,
+        levelling_length=table.levelling_length if levelling is None else levelling,
         mesh=None if table.mesh is None else screen_mesh(table.mesh, where),
     )
 
@@ -42,35 +49,81 @@ def screen_mesh(table: MeshTable, where: str) -> Mesh:
     return build_mesh(
         table.threads_per_cm,
         table.thread,
+        opening=table.opening,
         thickness=table.thickness,
         emulsion=table.emulsion,
+        material=table.material,
         where=where,
     )
 
 
-def mesh_process(table: MaskTable, calibrated: bool, groove: Groove, where: str) -> Process | None:
-    """Return the process that mesh and `release` give; None when the job states no release.
+def with_own_catalogue(job: Job, job_file: Path) -> Job:
+    """Return a job whose mesh of a weaver's table is stated by its numbers.
+
+    So an export needs no table to be verified.
 
     Raises
     ------
     InputError
-        when the job has a calibration as well.
+        when the table is wrong, or has no such mesh.
     """
-    if table.mesh is None or table.mesh.release is None:
-        return None
-    if calibrated:
-        raise InputError(
-            f"{where}: mask.mesh.release: {table.mesh.release:g}: must be left out when "
-            f"process.calibration is given: each states the transfer factor"
-        )
-    mesh = screen_mesh(table.mesh, where)
-    factor = mesh.transfer_factor(groove, table.mesh.release)
-    source = (
-        f"mesh {mesh.name}: {table.mesh.release:.0%} of {mesh.volume * 1000:.4g} cm³/m² over "
-        f"{groove.area / groove.pitch * 1000:.4g} cm³/m² of a full groove"
+    table = job.mask.mesh
+    if table is None or table.catalogue is None or table.is_auto:
+        return job
+    where = f"{job_file}: mask.mesh"
+    meshes = read_catalogue(job_file.parent / table.catalogue)
+    return with_mesh(job, find_mesh(table.name, catalogue=meshes, where=where))
+
+
+def with_mesh(job: Job, mesh: Mesh) -> Job:
+    """Return a job with a mesh of its own numbers; emulsion, angle and release stay."""
+    kept = ("emulsion_um", "angle_deg", "release")
+    stated = {} if job.mask.mesh is None else job.mask.mesh.model_dump(exclude_unset=True)
+    table = MeshTable(
+        threads_per_cm=round(mesh.count * 10, 9),
+        thread_um=round(mesh.thread / um, 9),
+        opening_um=round(mesh.opening / um, 6),
+        thickness_um=round(mesh.thickness / um, 6),
+        material=mesh.material,
+        **{name: value for name, value in stated.items() if name in kept},
     )
-    caveat = "theoretical volume of the mesh and a stated release: print and measure"
-    return Process.build(groove, "volume", [1.0], [factor], source, (caveat,))
+    mask = job.mask.model_copy(update={"mesh": table})
+    mask.model_fields_set.add("mesh")
+    changed = job.model_copy(update={"mask": mask})
+    changed.model_fields_set.add("mask")
+    return changed
+
+
+def job_levelling(
+    job: Job, process: Process, groove: Groove, smallest_ratio: float, where: str
+) -> float | None:
+    """Return the levelling length [mm] of the least filled groove; None: the job states it.
+
+    The resin is as wet as it was printed: its fill is the dried one over the solids fraction.
+
+    Raises
+    ------
+    InputError
+        when the job states both, a groove is not of 90°, or the resin does not run.
+    """
+    flow = job.process.flow
+    if flow is None:
+        return None
+    if "levelling_length_mm" in job.mask.model_fields_set:
+        raise InputError(
+            f"{where}: mask.levelling_length_mm: {job.mask.levelling_length_mm:g}: expected to be "
+            f"left out when process.viscosity_pa_s is given"
+        )
+    if abs(2 * groove.depth / groove.pitch - 1) > RIGHT_ANGLE:
+        raise InputError(
+            f"{where}: process.viscosity_pa_s: expected a groove of 90° (depth = pitch/2); for "
+            f"another state mask.levelling_length_mm"
+        )
+    fill = float(process.fill_fraction(smallest_ratio)) / job.process.solids_fraction
+    try:
+        return levelling_length(fill, groove.depth, **flow)
+    except InputError as error:
+        raise InputError(f"{where}: process.{error}") from None
 
 
 def moire_setting(table: MaskTable) -> MoireSetting:

@@ -5,13 +5,13 @@ from pathlib import Path
 
 from mpfcad.cad import Agreement
 from mpfcad.errors import InputError
-from mpfcad.film import MadeFilm
+from mpfcad.film import FieldFilm, MadeFilm, PrismFilm, Process
 from mpfcad.job import Job, MaskTable
-from mpfcad.mask import Mask, MaskCheck, Phototool
+from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.plan.drawing import Check, drawing_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS, build_grid
 from mpfcad.pipeline.plan.plan import Plan, groove_count
-from mpfcad.pipeline.plan.screen import mask_rules
+from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
 from mpfcad.pipeline.progress import Progress
 
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
@@ -33,8 +33,26 @@ def plan_mask(plan: Plan) -> Mask | None:
 
     if plan.process is None:
         return None
-    rules = mask_rules(plan.job.mask, plan.job.name)
-    return build_mask(plan.field_film or plan.panel, plan.process, rules, plan.job.name)
+    film = plan.field_film or plan.panel
+    rules = job_rules(plan.job, film, plan.process)
+    return build_mask(film, plan.process, rules, plan.job.name)
+
+
+def job_rules(job: Job, film: PrismFilm | FieldFilm, process: Process) -> MaskRules:
+    """Return the rules of a job's mask, levelling worked out for its least filled groove.
+
+    Raises
+    ------
+    InputError
+        for a mesh that there is not, or a resin that does not run.
+    """
+    if isinstance(film, FieldFilm):
+        ratio = process.aperture_ratio_of_curvature(film.field.curvature)
+    else:
+        ratio = process.aperture_ratio_of_curvature(film.curvature)
+    smallest = float(ratio[ratio > 1e-9].min(initial=1.0))
+    levelling = job_levelling(job, process, film.groove, smallest, job.name)
+    return mask_rules(job.mask, job.name, levelling)
 
 
 def write_curvature(plan: Plan, folder: Path) -> None:

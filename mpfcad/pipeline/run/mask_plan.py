@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpfcad.film import Process
 from mpfcad.job import Job
@@ -11,12 +11,16 @@ from mpfcad.pipeline.plan.field import has_field, read_field_film
 from mpfcad.pipeline.plan.plan import (
     Plan,
     groove_count,
-    read_job_process,
     read_job_stack,
     read_plan,
 )
-from mpfcad.pipeline.plan.screen import mask_rules, moire_setting
-from mpfcad.pipeline.run.make import plan_mask, refuse_unprintable
+from mpfcad.pipeline.plan.process import implied_release, read_job_process
+from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
+from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
+from mpfcad.units import um
+
+if TYPE_CHECKING:
+    from mpfcad.mask.screen.printing import Printing
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +48,19 @@ class MaskPlan:
         """Return what screen maker and printer have to know, in outside names."""
         from mpfcad.mask.screen.screen import describe_screen
 
-        return describe_screen(self.mask, self.process, moire_setting(self.job.mask))
+        printing = plan_printing(self.job, self.mask, self.process)
+        return describe_screen(self.mask, self.process, moire_setting(self.job.mask), printing)
+
+
+def plan_printing(job: Job, mask: Mask, process: Process) -> "Printing":
+    """Return what the screen of a job prints of its mask."""
+    from mpfcad.mask.screen.printing import find_printing
+
+    mesh = mask.rules.mesh
+    release = None
+    if mesh is not None:
+        release = implied_release(process, mesh, job.process.solids_fraction)
+    return find_printing(mask, process, job.mask.registration_um * um, release)
 
 
 def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
@@ -56,6 +72,7 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
         when the job is wrong, or a groove or a mesh cannot be made.
     """
     job_file = Path(job_file)
+    job = with_own_catalogue(job, job_file)
     if has_field(job, job_file):
         return _read_field(job, job_file)
     refuse_unprintable(job, str(job_file))
@@ -73,5 +90,5 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
     process = read_job_process(job, calibration, groove, str(job_file))
-    mask = build_mask(film, process, mask_rules(job.mask, job.name), job.name)
+    mask = build_mask(film, process, job_rules(job, film, process), job.name)
     return MaskPlan(job, mask, process, None)

@@ -1,4 +1,4 @@
-"""The screen's woven mesh: openings, resin volume, and the finest stencil that it carries.
+"""A woven mesh: openings, resin volume, and the finest stencil that it carries.
 
 With n threads per length and thread diameter d the opening is w = 1/n - d, the open area
 (w/(w+d))², and the theoretical volume open area × fabric thickness. A stencil aperture prints that
@@ -7,20 +7,27 @@ cross-section is A per pitch p, aperture ratio a fills
 
     fill = a · transfer factor,   transfer factor = release · volume · p / A,
 
-where release (0…1) is the share of the volume that leaves the screen. It has to be calibrated.
+where release (0…1) is the share of the volume that leaves the screen.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from mpfcad.errors import InputError
 from mpfcad.film import Groove
 from mpfcad.units import um
 
-#: Fabric thickness over thread diameter where no catalogue figure is given: 1.48 … 1.58 in
-#: catalogues of plain woven polyester.
-THICKNESS_FACTOR = 1.5
-CATALOGUE = "manufacturer's table (polyester, plain weave, before tensioning)"
-COMPUTED = "opening from count and thread; thickness assumed 1.5 × thread"
+Material = Literal["polyester", "steel"]
+#: Fabric thickness over thread diameter where no figure is given. Polyester: 59/40, 72/48, 84/54
+#: and 63/40 of the catalogue have mean 1.53, and twice their deviation is 0.09. Steel wire does
+#: not flatten as it is woven: two wires, less up to a tenth.
+THICKNESS_FACTOR: dict[Material, tuple[float, float]] = {
+    "polyester": (1.53, 0.09),
+    "steel": (1.95, 0.10),
+}
+#: How far an opening that is computed, and one from a table, may be off [mm], 95 %. The catalogue's
+#: openings exceed 1/n - d by 1.9 µm: the count is rounded, and threads flatten.
+OPENING_WIDTH, STATED_WIDTH = 2.0 * um, 0.5 * um
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,10 @@ class Mesh:
         how far the emulsion stands below the fabric
     source
         where the figures come from
+    material
+        `polyester` or `steel`
+    opening_width, thickness_width
+        half widths of the 95 % intervals of opening and thickness
     """
 
     name: str
@@ -52,6 +63,9 @@ class Mesh:
     thickness: float
     emulsion: float
     source: str
+    material: Material = "polyester"
+    opening_width: float = OPENING_WIDTH
+    thickness_width: float = 0.0
 
     @property
     def cell(self) -> float:
@@ -74,6 +88,18 @@ class Mesh:
         return self.fabric_volume + self.emulsion
 
     @property
+    def volume_width(self) -> float:
+        """Half width of the volume's 95 % interval over the volume, from opening and thickness."""
+        area = 2 * self.opening_width / self.opening
+        fabric = (area**2 + (self.thickness_width / self.thickness) ** 2) ** 0.5
+        return fabric * self.fabric_volume / self.volume
+
+    @property
+    def is_sourced(self) -> bool:
+        """Whether opening and thickness are a table's, not computed."""
+        return self.opening_width <= STATED_WIDTH and self.thickness_width <= STATED_WIDTH
+
+    @property
     def min_feature(self) -> float:
         """Smallest aperture and smallest web that the mesh carries [mm]: one cell of it.
 
@@ -90,16 +116,27 @@ class Mesh:
         """Return the share of the volume that leaves the screen with a given transfer factor."""
         return transfer_factor / self.transfer_factor(groove)
 
+    def coated(self, emulsion: float) -> "Mesh":
+        """Return the mesh with emulsion [mm] below the fabric."""
+        return replace(self, emulsion=emulsion)
+
 
 def build_mesh(
     threads_per_cm: float,
     thread: float,
     *,
+    opening: float | None = None,
     thickness: float | None = None,
     emulsion: float = 0.0,
+    material: Material = "polyester",
+    source: str = "given",
+    name: str | None = None,
     where: str = "mesh",
 ) -> Mesh:
     """Return the mesh of a thread count and a thread diameter [mm].
+
+    Opening and thickness [mm] that are left out are computed, and the width of what is then not
+    known goes with them.
 
     Raises
     ------
@@ -107,58 +144,28 @@ def build_mesh(
         that begins with `where`, for threads that leave no opening.
     """
     count = threads_per_cm / 10
-    opening = 1 / count - thread
-    if opening <= 0:
+    if 1 / count - thread <= 0:
         raise InputError(
             f"{where}: {threads_per_cm:g} threads/cm of {thread / um:g} µm: finer than its thread, "
-            f"nothing is open: allowed threads thinner than {1 / count / um:.4g} µm"
+            f"nothing is open: expected threads thinner than {1 / count / um:.4g} µm"
         )
+    if opening is not None and not 0 < opening < 1.15 / count:
+        raise InputError(
+            f"{where}: opening {opening / um:g} µm: expected less than the distance of the "
+            f"threads, {1 / count / um:.4g} µm"
+        )
+    factor, spread = THICKNESS_FACTOR[material]
+    computed = [what for what, value in (("opening", opening), ("thickness", thickness))
+                if value is None]  # fmt: skip
     return Mesh(
-        name=f"{threads_per_cm:g}-{thread / um:g}",
+        name=name or f"{threads_per_cm:g}-{thread / um:g}",
         count=count,
         thread=thread,
-        opening=opening,
-        thickness=THICKNESS_FACTOR * thread if thickness is None else thickness,
+        opening=1 / count - thread if opening is None else opening,
+        thickness=factor * thread if thickness is None else thickness,
         emulsion=emulsion,
-        source=COMPUTED if thickness is None else "given",
+        source=source + (f"; {' and '.join(computed)} computed" if computed else ""),
+        material=material,
+        opening_width=OPENING_WIDTH if opening is None else STATED_WIDTH,
+        thickness_width=spread * thread if thickness is None else STATED_WIDTH,
     )
-
-
-def _catalogue(threads_per_cm: float, thread: float, opening: float, thickness: float) -> Mesh:
-    name = f"{threads_per_cm:g}-{thread:g}"
-    size = (thread * um, opening * um, thickness * um)
-    return Mesh(name, threads_per_cm / 10, *size, 0.0, CATALOGUE)
-
-
-#: Common meshes by name, coarse to fine. Catalogue openings exceed 1/n - d: threads flatten.
-MESHES: dict[str, Mesh] = {
-    mesh.name: mesh
-    for mesh in (
-        *(build_mesh(n, d * um) for n, d in ((43, 80), (54, 64), (61, 64), (77, 55))),
-        _catalogue(90, 40, 73, 59),
-        _catalogue(90, 48, 65, 72),
-        _catalogue(90, 54, 59, 84),
-        *(build_mesh(n, d * um) for n, d in ((100, 40), (120, 31), (120, 34), (140, 31))),
-        *(build_mesh(n, d * um) for n, d in ((150, 31), (165, 31), (180, 27))),
-    )
-}
-
-
-def find_mesh(name: str, *, emulsion: float = 0.0, where: str = "mesh") -> Mesh:
-    """Return a common mesh, with its emulsion [mm].
-
-    Raises
-    ------
-    InputError
-        that begins with `where` and lists the meshes.
-    """
-    if name not in MESHES:
-        raise InputError(f"{where}: {name!r}: allowed one of {', '.join(MESHES)}")
-    mesh = MESHES[name]
-    return Mesh(**{**vars(mesh), "emulsion": emulsion})
-
-
-def coarsest_mesh(feature: float) -> Mesh | None:
-    """Return the common mesh with most volume whose smallest feature is at most `feature` [mm]."""
-    fine = [mesh for mesh in MESHES.values() if mesh.min_feature <= feature * (1 + 1e-12)]
-    return max(fine, key=lambda mesh: mesh.fabric_volume, default=None)
