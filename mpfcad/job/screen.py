@@ -7,6 +7,9 @@ from pydantic import Field, model_validator
 from mpfcad.job.table import Positive, Table
 
 MaskFormat = Literal["oas", "gds", "dxf", "gbr", "svg", "tif"]
+FurnitureName = Literal["fiducial", "text", "coupon"]
+DEFAULT_FORMATS: tuple[MaskFormat, ...] = ("oas", "gds")
+DEFAULT_FURNITURE: tuple[FurnitureName, ...] = ("fiducial", "text", "coupon")
 
 
 class ProcessTable(Table):
@@ -41,13 +44,14 @@ class ProcessTable(Table):
     @property
     def flow(self) -> dict[str, float] | None:
         """Viscosity [Pa·s], surface tension [N/m], contact angle [rad], time [s]; None: unknown."""
-        if self.viscosity_pa_s is None:
+        tension, time = self.surface_tension_mn_m, self.time_to_uv_s
+        if self.viscosity_pa_s is None or tension is None or time is None:
             return None
         return {
             "viscosity": self.viscosity_pa_s,
-            "surface_tension": self.surface_tension_mn_m / 1000,
+            "surface_tension": tension / 1000,
             "contact_angle": self._inside("contact_angle_deg"),
-            "time": self.time_to_uv_s,
+            "time": time,
         }
 
 
@@ -127,13 +131,11 @@ class MaskTable(Table):
     viewing_distance_mm: Annotated[Positive, Field(le=100_000)] = 500.0
     mesh: MeshTable | None = None
     registration_um: Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)] = 200.0
-    formats: list[MaskFormat] = Field(default_factory=lambda: ["oas", "gds"], min_length=1)
+    formats: list[MaskFormat] = Field(default_factory=lambda: list(DEFAULT_FORMATS), min_length=1)
     polarity: Literal["open", "closed"] = "open"
     mirror: bool = False
     emulsion_side: Literal["film", "squeegee"] = "film"
-    furniture: list[Literal["fiducial", "text", "coupon"]] = Field(
-        default_factory=lambda: ["fiducial", "text", "coupon"]
-    )
+    furniture: list[FurnitureName] = Field(default_factory=lambda: list(DEFAULT_FURNITURE))
     tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
 
     @model_validator(mode="before")

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from mpfcad.errors import InputError
-from mpfcad.mask.fabric.mesh import Mesh, build_mesh
+from mpfcad.mask.fabric.mesh import Material, Mesh, build_mesh
 from mpfcad.mask.fabric.name import match_name, nearest_names
 from mpfcad.units import um
 
@@ -17,6 +17,7 @@ COLUMNS = (
 #: Columns that may be empty: the value is then computed, with its width.
 OPTIONAL = ("opening_um", "thickness_um")
 LARGEST = 5000.0
+MATERIALS: dict[str, Material] = {"polyester": "polyester", "steel": "steel"}
 
 
 @cache
@@ -54,9 +55,11 @@ def _read_row(row: list[str], where: str) -> Mesh:
     if len(row) != len(COLUMNS):
         raise InputError(f"{where}: {len(row)} columns: expected {len(COLUMNS)}")
     cells = dict(zip(COLUMNS, (cell.strip() for cell in row), strict=True))
-    material = cells["material"]
-    if material not in ("polyester", "steel"):
-        raise InputError(f"{where}: material: {material!r}: expected 'polyester' or 'steel'")
+    material = MATERIALS.get(cells["material"])
+    if material is None:
+        raise InputError(
+            f"{where}: material: {cells['material']!r}: expected 'polyester' or 'steel'"
+        )
     if not cells["name"] or not cells["source"]:
         raise InputError(f"{where}: name, source: expected both")
     value = {
