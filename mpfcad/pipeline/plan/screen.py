@@ -68,7 +68,7 @@ def with_own_catalogue(job: Job, job_file: Path) -> Job:
         when the table is wrong, or has no such mesh.
     """
     table = job.mask.mesh
-    if table is None or table.catalogue is None or table.is_auto:
+    if table is None or table.name is None or table.catalogue is None or table.is_auto:
         return job
     where = f"{job_file}: mask.mesh"
     meshes = read_catalogue(job_file.parent / table.catalogue)

@@ -90,5 +90,6 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
     process = read_job_process(job, calibration, groove, str(job_file))
+    assert process is not None  # refuse_unprintable saw to that
     mask = build_mask(film, process, job_rules(job, film, process), job.name)
     return MaskPlan(job, mask, process, None)
