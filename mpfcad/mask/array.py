@@ -72,7 +72,7 @@ class ApertureArray:
     @cached_property
     def box(self) -> tuple[int, int, int, int]:
         """Left, bottom, right, top of the shape seen from its reference point."""
-        if self.is_rectangle:
+        if isinstance(self.shape, tuple):
             return 0, 0, *self.shape
         low, high = self.shape.min(axis=0), self.shape.max(axis=0)
         return int(low[0]), int(low[1]), int(high[0]), int(high[1])
@@ -86,7 +86,7 @@ class ApertureArray:
     @property
     def shape_area(self) -> float:
         """Area of one shape [grid steps²]."""
-        if self.is_rectangle:
+        if isinstance(self.shape, tuple):
             return float(self.shape[0] * self.shape[1])
         x, y = self.shape.astype(float).T
         return abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))) / 2

@@ -159,7 +159,7 @@ def _lay_out(
     end = ((corner == 0) | (corner == 2 * pieces[groove])) & bare[groove] & (local != 0)
     parabola = (pieces[groove] > 0) & (corner >= 1 - bare[groove])
 
-    def height(depth: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[np.float64]:
+    def height(depth: NDArray[np.float64], which: NDArray[np.bool_] | slice) -> NDArray[np.float64]:
         drop = film.curvature[groove[which]] / 2 * depth * (2 * half_width - depth)
         return film.thickness + lift[groove[which]] - drop
 

@@ -63,7 +63,7 @@ def build_outline(
             f"angle_tolerance: {angle_tolerance / deg:g} deg: too fine for the float32 coordinates "
             f"of an STL file {section.width:g} mm wide"
         )
-    return x, z, owner
+    return np.asarray(x, np.float64), z, owner
 
 
 def piece_tolerance(section: Section, angle_tolerance: float) -> NDArray[np.float64]:

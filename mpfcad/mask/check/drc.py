@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -55,9 +55,9 @@ def sample_windows(outline: Box, extremes: tuple[int, ...] = ()) -> tuple[Box, .
     size = (min(WINDOW, right - left), min(WINDOW, top - bottom))
 
     def around(x: float, y: float) -> Box:
-        low = (min(max(x - size[0] / 2, left), right - size[0]),
-               min(max(y - size[1] / 2, bottom), top - size[1]))  # fmt: skip
-        return (*(int(v) for v in low), *(int(v + s) for v, s in zip(low, size, strict=True)))
+        x = min(max(x - size[0] / 2, left), right - size[0])
+        y = min(max(y - size[1] / 2, bottom), top - size[1])
+        return int(x), int(y), int(x + size[0]), int(y + size[1])
 
     width, length = right - left, top - bottom
     places = [(left + a * width, bottom + b * length) for a in SHARES for b in SHARES]
@@ -129,7 +129,7 @@ def write_markers(path: Path, source: str, check: WindowCheck) -> None:
         report.save(str(part))
 
 
-def _add(report: object, cell: object, category: object, value: object) -> None:
+def _add(report: Any, cell: Any, category: Any, value: object) -> None:
     import klayout.rdb as rdb
 
     item = report.create_item(cell.rdb_id(), category.rdb_id())

@@ -59,8 +59,8 @@ def _panel(ratio: NDArray[np.float64]) -> "Image.Image":
 
     picture = Image.fromarray(_shade(ratio[::-1], float(ratio.min()), float(ratio.max())))
     factor = PANEL / max(picture.size)
-    size = tuple(max(1, round(n * factor)) for n in picture.size)
-    return picture.resize(size, Image.Resampling.NEAREST)
+    width, height = (max(1, round(n * factor)) for n in picture.size)
+    return picture.resize((width, height), Image.Resampling.NEAREST)
 
 
 def _shade(ratio: NDArray[np.float64], low: float, high: float) -> NDArray[np.uint8]:

@@ -137,7 +137,9 @@ def _cell_arrays(
         index = instance.cell_index
         if index not in inner:
             inner[index] = list(_cell_arrays(path, layout, layout.cell(index), layer))
-        place = _placement(path, instance) if inner[index] else None
+        if not inner[index]:
+            continue
+        place = _placement(path, instance)
         for x, y, array in inner[index]:
             if layout.cell(index).is_leaf():
                 yield x, y, ApertureArray(array.shape, place)

@@ -56,7 +56,8 @@ def read_oasis(path: Path) -> FoundMask:
 
 def _corners(points: np.ndarray) -> tuple[int, int, int, int]:
     steps = np.rint(points * STEPS).astype(np.int64)
-    return (*map(int, steps.min(axis=0)), *map(int, steps.max(axis=0)))
+    (left, bottom), (right, top) = steps.min(axis=0), steps.max(axis=0)
+    return int(left), int(bottom), int(right), int(top)
 
 
 def _arrays(path: Path, cell: "gdstk.Cell", layer: int) -> Iterator[ApertureArray]:

@@ -66,12 +66,12 @@ class Tally:
             step = (dx, place.rows, dy if place.rows > 1 else 0)
             self._lattices.append((x, y, *array.size, place.columns, *step))
             return
-        x = place.origin[0] + place.offset[:, 0]
-        y = place.origin[1] + place.offset[:, 1]
-        if x.min(initial=x[0]) == x.max(initial=x[0]):
-            self._add_listed(int(x[0]), y, *array.size)
+        left = place.origin[0] + place.offset[:, 0]
+        bottom = place.origin[1] + place.offset[:, 1]
+        if left.min(initial=left[0]) == left.max(initial=left[0]):
+            self._add_listed(int(left[0]), bottom, *array.size)
             return
-        self._add_scattered(x, y, *array.size)
+        self._add_scattered(left, bottom, *array.size)
 
     def finish(self) -> None:
         """Add up the lattices."""
@@ -113,8 +113,8 @@ class Tally:
         if len(edge) == 2 and edge[1] - edge[0] == width:
             self.groove_area[first] += total
         else:
-            share = np.diff(np.clip(self.groove_edge, left, left + width)) / width
-            self.groove_area += share * total
+            inside = np.clip(self.groove_edge, left, left + width).astype(float)
+            self.groove_area += np.diff(inside) / width * total
         done = np.searchsorted(bottom, self.along - height, side="right")
         begun = np.searchsorted(bottom, self.along, side="left")
         last = bottom[np.maximum(begun - 1, 0)]
@@ -134,8 +134,8 @@ class Tally:
         overlap = np.flatnonzero((beside == 0) & (np.diff(bottom) < height))
         if overlap.size:
             at = left[overlap[0]]
-            groove = int(np.searchsorted(self.groove_edge, at, side="right")) - 1
-            raise ExportError(f"{self.path}: groove {groove} (counted from 0): apertures overlap")
+            first = int(np.searchsorted(self.groove_edge, at, side="right")) - 1
+            raise ExportError(f"{self.path}: groove {first} (counted from 0): apertures overlap")
         self._note(min(width, height), int(gap.min()) if len(gap) else None)
         groove, over = _split(self.groove_edge, left, width)
         grooves = len(self.groove_area)

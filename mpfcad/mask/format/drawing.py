@@ -65,7 +65,8 @@ class Drawing:
         for points in corners:
             box[:2] = np.minimum(box[:2], points.min(axis=0))
             box[2:] = np.maximum(box[2:], points.max(axis=0))
-        return tuple(int(value) for value in box)
+        left, bottom, right, top = (int(value) for value in box)
+        return left, bottom, right, top
 
     @cached_property
     def lines(self) -> tuple[str, str]:
@@ -75,7 +76,9 @@ class Drawing:
     @property
     def arrays(self) -> Iterator[ApertureArray]:
         """The arrays of the aperture layer, one after the other."""
-        arrays = closed_arrays(self.mask) if self.inverted else self.mask.arrays
+        arrays = self.mask.arrays
+        if self.inverted and isinstance(self.mask, GrooveMask):  # `draw` refuses others
+            arrays = closed_arrays(self.mask)
         if self.phototool.mirror:
             return (mirror_array(array, self.width) for array in arrays)
         return iter(arrays)
@@ -157,9 +160,9 @@ def mirror_place(place: Placement, width: int) -> Placement:
 
 def mirror_array(array: ApertureArray, width: int) -> ApertureArray:
     """Return an array mirrored: x becomes width - x."""
-    if array.is_rectangle:
+    if isinstance(array.shape, tuple):
         return ApertureArray(array.shape, mirror_place(array.place, width - array.shape[0]))
-    return ApertureArray(array.shape * (-1, 1), mirror_place(array.place, width))
+    return ApertureArray(array.shape * np.array([-1, 1]), mirror_place(array.place, width))
 
 
 def closed_arrays(mask: GrooveMask) -> Iterable[ApertureArray]:

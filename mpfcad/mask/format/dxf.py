@@ -84,7 +84,8 @@ class _Blocks:
         self.names: dict[object, str] = {}
 
     def shape(self, array: ApertureArray, layer: int) -> str:
-        key = (layer, array.shape if array.is_rectangle else array.shape.tobytes())
+        shape = array.shape
+        key = (layer, shape if isinstance(shape, tuple) else shape.tobytes())
         if key not in self.names:
             self.names[key] = f"L{layer}S{len(self.names)}"
             _add_outline(self.document.blocks.new(self.names[key]), array, layer)
@@ -93,8 +94,8 @@ class _Blocks:
 
 def _add_outline(into: "Modelspace | BlockLayout", array: ApertureArray, layer: int) -> None:
     """Add the array's shape once, as a closed polyline."""
-    points = array.shape
-    if array.is_rectangle:
+    points: Any = array.shape
+    if isinstance(array.shape, tuple):
         width, length = array.shape
         points = ((0, 0), (width, 0), (width, length), (0, length))
     corners = [(_mm(x), _mm(y)) for x, y in points]

@@ -16,9 +16,9 @@ def flat_tiles(drawing: Drawing) -> Iterator[ApertureArray]:
 
 def shift(place: Placement, by: Iterable[int]) -> Placement:
     """Return a placement moved by (x, y)."""
-    origin = tuple(int(a + b) for a, b in zip(place.origin, by, strict=True))
+    x, y = (int(a + b) for a, b in zip(place.origin, by, strict=True))
     steps = (place.column_step, place.row_step)
-    return Placement(origin, place.columns, place.rows, *steps, place.offset)
+    return Placement((x, y), place.columns, place.rows, *steps, place.offset)
 
 
 def columns_of(arrays: Iterable[ApertureArray]) -> Iterator[ApertureArray]:

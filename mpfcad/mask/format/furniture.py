@@ -112,4 +112,4 @@ def _frame(left: int, foot: int, width: int, height: int) -> Iterator[Polygon]:
         for y, out_y in ((foot, -1), (foot + height, 1)):
             arm, line = GAP, LINE
             corner = [(0, 0), (-arm, 0), (-arm, line), (line, line), (line, -arm), (0, -arm)]
-            yield TEXT, np.array(corner) * (out_x, out_y) + (x, y)
+            yield TEXT, (np.array(corner) * (out_x, out_y) + (x, y)).astype(np.int64)

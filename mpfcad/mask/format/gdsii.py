@@ -73,16 +73,17 @@ class _Library:
         """Return the cell that holds an array's shape."""
         import gdstk
 
-        key = (layer, array.shape if array.is_rectangle else array.shape.tobytes())
+        shape = array.shape
+        key = (layer, shape if isinstance(shape, tuple) else shape.tobytes())
         if key not in self.shapes:
-            if array.is_rectangle:
-                name = f"L{layer}R{array.shape[0]}X{array.shape[1]}"
-                shape = gdstk.rectangle((0, 0), _um(*array.shape), layer=layer)
+            if isinstance(shape, tuple):
+                name = f"L{layer}R{shape[0]}X{shape[1]}"
+                drawn = gdstk.rectangle((0, 0), _um(*shape), layer=layer)
             else:
                 name = f"L{layer}P{len(self.shapes)}"
-                shape = gdstk.Polygon(array.shape * _UM, layer=layer)
+                drawn = gdstk.Polygon(shape * _UM, layer=layer)
             self.shapes[key] = self.library.new_cell(name)
-            self.shapes[key].add(shape)
+            self.shapes[key].add(drawn)
         return self.shapes[key]
 
     def _place(self, into: "gdstk.Cell", cell: "gdstk.Cell", place: Placement) -> None:
@@ -111,12 +112,12 @@ def split_lattice(place: Placement) -> Iterator[Placement]:
     """Yield lattices of at most 32,767 columns and rows that make up one lattice."""
     for i in range(0, place.columns, LARGEST_ARRAY):
         for j in range(0, place.rows, LARGEST_ARRAY):
-            origin = tuple(
+            x, y = (
                 place.origin[k] + i * place.column_step[k] + j * place.row_step[k] for k in (0, 1)
             )
             columns = min(LARGEST_ARRAY, place.columns - i)
             rows = min(LARGEST_ARRAY, place.rows - j)
-            yield Placement(origin, columns, rows, place.column_step, place.row_step)
+            yield Placement((x, y), columns, rows, place.column_step, place.row_step)
 
 
 def _um(x: int, y: int) -> tuple[float, float]:

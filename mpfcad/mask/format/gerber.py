@@ -37,7 +37,8 @@ def write_gerber(drawing: Drawing, path: Path) -> None:
             artist.polygon(layer, points)
         artist.flash(COUPON, drawing.coupon)
         if drawing.phototool.polarity == "closed":
-            box = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * (drawing.width, drawing.length)
+            size = np.array([drawing.width, drawing.length])
+            box = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * size
             artist.polygon(APERTURE, box)
             file.write("%LPC*%\n")
         artist.flash(APERTURE, drawing.arrays)
@@ -82,9 +83,9 @@ class _Artist:
 
     def _flash_one(self, array: ApertureArray, *, flatten: bool) -> None:
         places = array.place.positions() if flatten else (array.place.origin,)
-        if not array.is_rectangle:
+        if not isinstance(array.shape, tuple):
             for at in places:
-                self.polygon(self.layer, array.shape + at)
+                self.polygon(self.layer, array.shape + np.asarray(at))
             return
         width, length = array.shape
         self._use(f"R,{_mm(width)}X{_mm(length)}")

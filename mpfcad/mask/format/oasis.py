@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +94,7 @@ class _Cell:
         self.out = out
         self.parts: list[bytes] = []
         self.pending = 0
-        self.last: dict[str, object] = {"shape": (0, 0), "place": (0, 0), "text": (0, 0)}
+        self.last: dict[str, Any] = {"shape": (0, 0), "place": (0, 0), "text": (0, 0)}
         out.put(b"\x0d" + _uint(number))
         self._emit(b"\x10")  # XYRELATIVE
 
@@ -125,7 +125,8 @@ class _Cell:
                     info, tail = info | bit, tail + _uint(size)
                     self.last[key] = size
         else:
-            points = [(int(x), int(y)) for x, y in array.shape]
+            corners: Any = array.shape
+            points = [(int(x), int(y)) for x, y in corners]
             start, record = points[0], b"\x15"
             steps = [(b[0] - a[0], b[1] - a[1]) for a, b in itertools.pairwise(points)]
             tail += b"\x04" + _uint(len(steps)) + b"".join(map(_step, steps))

@@ -92,7 +92,7 @@ def _bands(arrays: Iterable[ApertureArray]) -> Iterator[list[ApertureArray]]:
 
 def _shape(array: ApertureArray, left: int = 0, foot: int = 0) -> str:
     x, y = array.place.origin[0] - left, array.place.origin[1] - foot
-    if array.is_rectangle:
+    if isinstance(array.shape, tuple):
         width, length = array.shape
         return f'<rect x="{_mm(x)}" y="{_mm(y)}" width="{_mm(width)}" height="{_mm(length)}"/>'
     corners = " ".join(f"{_mm(a + x)},{_mm(b + y)}" for a, b in array.shape)

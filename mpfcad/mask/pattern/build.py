@@ -167,8 +167,8 @@ def _build_tiled(
     ratio = CellRatio.build(film, process, cells)
     if isinstance(film, PrismFilm):
         wanted = process.aperture_ratio_of_curvature(film.curvature)
-        level_ratio, level = np.unique(np.append(0.0, wanted), return_inverse=True)
-        level = level[1:, None]
+        level_ratio, of_groove = np.unique(np.append(0.0, wanted), return_inverse=True)
+        level = of_groove[1:, None]
     else:
         level, level_ratio = quantise(ratio, tile_cells)
     steps = round(film.length / GRID) // cells

@@ -93,7 +93,8 @@ class DitherMask(Mask):
     @property
     def aperture_ratio(self) -> NDArray[np.float64]:
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
-        return self.dot_count * float(self.side * GRID) ** 2 / (self.pitch * self.length)
+        area = self.dot_count * float(self.side * GRID) ** 2
+        return np.asarray(area / (self.pitch * self.length), np.float64)
 
     @cached_property
     def wanted_ratio(self) -> NDArray[np.float64]:

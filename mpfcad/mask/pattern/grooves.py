@@ -79,8 +79,8 @@ class GrooveMask(Mask):
     @property
     def aperture_ratio(self) -> NDArray[np.float64]:
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
-        area = self.across * self.along * self.count * GRID**2
-        return area / (self.pitch * self.length)
+        area = self.across.astype(float) * self.along * self.count * GRID**2
+        return np.asarray(area / (self.pitch * self.length), np.float64)
 
     @property
     def wanted_ratio(self) -> NDArray[np.float64]:

@@ -200,6 +200,6 @@ def quantise(ratio: CellRatio, tile_cells: int) -> tuple[NDArray[np.uint8], NDAr
     step = max((high - low) / (LEVELS - 1), 1e-9)
     level = np.zeros(mean.shape, dtype=np.uint8)
     for first, count in blocks(n):
-        rows = slice(first, first + count)
-        level[rows] = np.where(is_open[rows], np.rint((mean[rows] - low) / step) + 1, 0)
+        part = slice(first, first + count)
+        level[part] = np.where(is_open[part], np.rint((mean[part] - low) / step) + 1, 0)
     return level, np.append(0.0, low + np.arange(LEVELS) * float(step))

@@ -167,7 +167,8 @@ def find_beats(
             kept &= contrast > VISIBLE_CONTRAST / 1000
             for i, j in np.argwhere(kept):
                 f, c = frequency[i, j], float(contrast[i, j])
-                order = (tuple(map(int, a.order[i])), tuple(map(int, sign * b.order[j])))
+                (p, q), (r, s) = map(int, a.order[i]), map(int, sign * b.order[j])
+                order = ((p, q), (r, s))
                 angle = float(np.arctan2(f[1], f[0]) % np.pi)
                 pair = (a.name, b.name)
                 period = float(1 / size[i, j])

@@ -61,12 +61,12 @@ def conoscope_figure(conoscope: dict[str, Any], lamps_level: bool) -> "go.Figure
     polar = np.hypot(across, along)
     shown = _on_map(conoscope, polar, np.degrees(np.arctan2(along, across)) % 360)
     shown[polar > _SHOWN_DEG] = np.nan
-    shown = [[None if np.isnan(v) else round(float(v), 1) for v in row] for row in shown]
+    rows = [[None if np.isnan(v) else round(float(v), 1) for v in row] for row in shown]
     figure = go.Figure(
         go.Contour(
             x=axis,
             y=axis,
-            z=shown,
+            z=rows,
             colorscale="Viridis",
             ncontours=16,
             contours={"coloring": "heatmap"},

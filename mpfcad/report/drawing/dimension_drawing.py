@@ -48,7 +48,7 @@ def draw_dimensions(made: MadeFilm, index: int) -> str:
 
     right, bottom = LEFT + width, TOP + height
     parts = [*body, *_across(LEFT, right, TOP - 42, TOP, f"pitch {groove.pitch / um:g} µm")]
-    parts += _up(right + 40, *(place(w, z)[1] for z in (depth, 0)), f"depth {depth / um:g} µm")
+    parts += _up(right + 40, place(w, depth)[1], place(w, 0)[1], f"depth {depth / um:g} µm")
     parts.append(svg.line(*place(0, 0), right + 48, place(0, 0)[1], THIN))
     parts.append(svg.line(right, TOP, right + 48, TOP, THIN))
     parts += _up(right + 40, place(0, 0)[1], bottom, f"base {film.base / um:g} µm (cut off)")

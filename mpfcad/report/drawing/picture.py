@@ -44,7 +44,7 @@ def write_pictures(folder: Path, camera: dict[str, Any], lamps_level: bool) -> N
     big = np.kron(picture, np.ones((_ZOOM, _ZOOM)))
     grey = np.clip(np.round(big / (1.1 * picture.mean()) * 255), 0, 255).astype(np.uint8)
     Image.fromarray(grey).save(folder / PICTURES[0], compress_level=9)
-    bands = contour(big, band_width(camera))
+    bands = contour(np.asarray(big, np.float64), band_width(camera))
     Image.fromarray(bands).save(folder / PICTURES[1], compress_level=9)
     _write_tiff(folder / PICTURES[2], picture, camera["pixel_mm"])
 
