@@ -2,15 +2,12 @@
 
 import math
 
-from numba import njit
-
-from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import disk, start_path, uniform
 from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.passage import pass_element
-from mpfcad.store.kernel import kept
 
 #: Streams of random numbers, apart from those of the engine's sources.
 WORLD_STREAM, FILM_STREAM, METER_STREAM = 101, 102, 103
@@ -67,8 +64,7 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
     return GONE, x, dx, dy, 0.0, radiance
 
 
-@kept
-@njit(nogil=True, error_model="numpy", _nrt=False)
+@entry
 def trace_world(
     scene, film, up, pitch, cells, number, corner, seed, first, samples, rng, flow,
     target, weight, radiance,
@@ -101,8 +97,7 @@ def trace_world(
                     target[cell, d, s] = arrival + (0 if side == BELOW else cells * d_count)
 
 
-@kept
-@njit(nogil=True, error_model="numpy", _nrt=False)
+@entry
 def trace_film(
     scene, film, acceptance, number, corner, seed, first, samples, rng, flow, found
 ):  # fmt: skip
@@ -133,8 +128,7 @@ def trace_film(
                 found[row, column] += weight
 
 
-@kept
-@njit(nogil=True, error_model="numpy", _nrt=False)
+@entry
 def trace_meter(scene, film, acceptance, number, seed, samples, rng, flow, found):
     """Send `samples` rays of the meter down to the film; found (d,) gets where they meet it."""
     for s in range(samples):

@@ -6,10 +6,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
+from mpfcad.optics.base.kernel import allocating_entry
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, start_path, uniform
 from mpfcad.optics.bsdf.basis import AngleBasis
@@ -19,7 +20,6 @@ from mpfcad.optics.element import Film
 from mpfcad.optics.passage import pass_element
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.solid.mesh import FilmMesh
-from mpfcad.store.kernel import kept
 
 _STREAM = 12
 _MOST_LOST = 1e-6
@@ -113,8 +113,7 @@ def trace_film_bsdf(
     return FilmBsdf(traced.made_reciprocal(), rays, traced)
 
 
-@kept
-@njit(nogil=True, error_model="numpy")
+@allocating_entry
 def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
     """Trace rays from incidence bin i; number (2n+1,) gets how many left where, lost ones last."""
     edge, azimuths, first, ring_of = bins

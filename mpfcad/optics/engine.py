@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
 
-from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
@@ -43,7 +43,6 @@ from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
-from mpfcad.store.kernel import kept
 
 #: Paths of one point in one block.
 BLOCK = NET
@@ -168,8 +167,7 @@ def _go_on(scene, e, slot, wave, flow):
     return True
 
 
-@kept
-@njit(nogil=True, error_model="numpy", _nrt=False)
+@entry
 def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 

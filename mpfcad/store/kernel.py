@@ -36,8 +36,8 @@ def kernel_store() -> Store:
 class KernelCache:
     """Has one function's compiled versions in the store; numba's dispatcher asks it for them."""
 
-    def __init__(self, function: Any) -> None:
-        self._name = f"{function.__module__}.{function.__qualname__}"
+    def __init__(self, function: Any, flavour: str = "") -> None:
+        self._name = f"{function.__module__}.{function.__qualname__} {flavour}"
 
     @property
     def cache_path(self) -> str:
@@ -97,18 +97,18 @@ def is_numba_as_expected() -> bool:
     )
 
 
-def kept(compiled: Any) -> Any:
+def kept(compiled: Any, flavour: str = "") -> Any:
     """Keep what numba compiles of a function; where its insides are unknown, in its own cache.
 
-    Above `njit`, without `cache=True`.
+    Above `njit`, without `cache=True`. `flavour` is how the kernels that it calls are compiled.
     """
     if is_numba_as_expected():
-        compiled._cache = KernelCache(compiled.py_func)
+        compiled._cache = KernelCache(compiled.py_func, flavour)
         return compiled
     from numba import config
 
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(kernel_store().folder / "numba" / kernel_hash()[:16])
+    config.CACHE_DIR = str(kernel_folder() / "numba" / f"{kernel_hash()[:16]}{flavour}")
     try:
         compiled.enable_caching()
     finally:

@@ -3,7 +3,6 @@
 import importlib.util
 import io
 
-import numba
 import numpy as np
 import pytest
 
@@ -27,32 +26,11 @@ def outer(x):
 """
 
 
-@pytest.fixture
-def told():
-    """Return the list of what is told during the test."""
-    found = []
-    compiling.watchers.append(found.append)
-    yield found
-    compiling.watchers.remove(found.append)
-
-
 def _module(path):
     spec = importlib.util.spec_from_file_location("few_kernels", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def test_the_entry_is_told_once_and_not_when_it_comes_from_the_cache(tmp_path, told, monkeypatch):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
-    path = tmp_path / "few_kernels.py"
-    path.write_text(_SOURCE)
-    module = _module(path)
-    assert module.outer(3.0) == 7.0
-    assert module.outer(4.0) == 9.0
-    assert told == ["outer", None]
-    assert _module(path).outer(3.0) == 7.0
-    assert told == ["outer", None]
 
 
 def test_a_kernel_by_itself_is_an_error_in_python(tmp_path):

@@ -1,4 +1,7 @@
-"""A processor without AVX gives the bits of this one: vectors are cut, never computed otherwise."""
+"""Other processors and plainly compiled kernels give the bits of this one.
+
+Vectors are cut to what a processor has, never computed otherwise.
+"""
 
 import hashlib
 import os
@@ -46,11 +49,21 @@ def digests(folder: Path) -> list[str]:
 @pytest.mark.parametrize("features", ["", "+avx"], ids=["SSE2", "AVX"])
 def test_a_processor_without_vectors_of_eight_gives_the_same_bits(tmp_path, features):
     plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": features}
+    assert elsewhere(tmp_path, plain) == digests(tmp_path)
+
+
+@pytest.mark.slow
+def test_plainly_compiled_kernels_give_the_same_bits(tmp_path):
+    assert elsewhere(tmp_path, {"MPFCAD_KERNELS": "plain"}) == digests(tmp_path)
+
+
+def elsewhere(folder, environment):
+    """Return the digests that a process finds whose kernels are compiled otherwise."""
     path = os.pathsep.join([str(Path(__file__).parent), str(Path(__file__).parents[1]), *sys.path])
     command = "import sys, pathlib; from test_processors import digests as d; "
     command += "print(*d(pathlib.Path(sys.argv[1])))"
     child = subprocess.run(
-        [sys.executable, "-c", command, str(tmp_path)], capture_output=True, text=True, check=True,
-        env={**os.environ, **plain, "PYTHONPATH": path},
+        [sys.executable, "-c", command, str(folder)], capture_output=True, text=True, check=True,
+        env={**os.environ, **environment, "PYTHONPATH": path},
     )  # fmt: skip
-    assert child.stdout.split() == digests(tmp_path)
+    return child.stdout.split()

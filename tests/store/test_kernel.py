@@ -10,9 +10,7 @@ from mpfcad.store import kernel
 from mpfcad.store.notice import listeners
 
 _SOURCE = """
-from numba import njit
-from mpfcad.optics.base.kernel import kernel
-from mpfcad.store.kernel import kept
+from mpfcad.optics.base.kernel import entry, kernel
 
 
 @kernel
@@ -20,8 +18,7 @@ def inner(x):
     return {factor} * x
 
 
-@kept
-@njit(error_model="numpy", _nrt=False)
+@entry
 def outer(x):
     return inner(x) + 1.0
 """
@@ -101,4 +98,4 @@ def test_where_numba_is_otherwise_inside_its_own_cache_is_named_for_the_text(
     assert told[0] == ["outer", None] * 2
     assert str(tmp_path / "kept") == numba.config.CACHE_DIR
     folders = sorted(path.name for path in (tmp_path / "kept" / "numba").iterdir())
-    assert folders == ["edited", "same"]
+    assert folders == ["editedgathered", "samegathered"]

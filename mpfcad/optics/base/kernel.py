@@ -1,26 +1,71 @@
-"""How the kernels are compiled: one decorator for all of them.
+"""How the kernels are compiled: one decorator for all of them, and one for the entries.
 
 Division follows IEEE (a vanishing direction component gives an infinite distance, not an error),
 and the arrays' reference counts are left alone: counting them at every call took over half of the
 time. Kernels therefore allocate nothing; what they need as scratch is handed in.
 
-A kernel is only ever inlined into what calls it, up to an entry (`engine.trace_paths`) that Python
-calls. numba by itself would optimise and translate every kernel on the way there, with all that it
-calls in it, once a level: more than half of the time that the tracer took to compile. So a kernel's
-code is but gathered here, and the entry compiled as a whole. Nor is a kernel compiled anew where a
-number in a call is a literal.
+A kernel is only called from compiled code. `gathered` compiles it in one piece with the entry that
+calls it, by a compiler of numba's with two steps replaced. Where numba is not inside as that needs,
+a kernel is a plain `njit` function: the same operations, hence the same bits, but it takes numba
+twice as long to compile (39 s instead of 19 s of CPU).
 """
 
+import os
 from collections.abc import Callable
 from typing import Any
 
 from numba import njit
 from numba.core import event
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, CompileResult
-from numba.types import unliteral
 
 from mpfcad.compiling import tell
+from mpfcad.store.kernel import kept
+from mpfcad.store.notice import say
+
+#: `plain` compiles kernels plainly whatever numba is like inside.
+VARIABLE = "MPFCAD_KERNELS"
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
+
+
+def _choose() -> Callable[[Any], Any] | None:
+    """Return what compiles a kernel within its entry; None where numba does not allow it."""
+    wanted = os.environ.get(VARIABLE, "") != "plain"
+    try:
+        from numba import __version__ as version
+
+        from mpfcad.optics.base.gathered import gathered, trouble
+
+        reason = trouble() if wanted else f"{VARIABLE}=plain"
+    except Exception as error:  # an import from numba's inside, or what it does when defined
+        reason = f"{type(error).__name__}: {error}"
+    if not reason:
+        return gathered
+    say(
+        f"numba {version} is not used from inside ({reason}): kernels are compiled plainly, which "
+        "takes twice as long, once; the figures are the same"
+    )
+    return None
+
+
+_gathered = _choose()
+#: How kernels are compiled; part of the key under which they are kept.
+FLAVOUR = "plain" if _gathered is None else "gathered"
+
+
+def kernel(function: Callable) -> Any:
+    """Compile a function that is only called from compiled ones."""
+    if _gathered is None:
+        return njit(**_OPTIONS)(function)
+    return _gathered(function)
+
+
+def entry(function: Callable) -> Any:
+    """Compile a function that Python calls, with all kernels in it, and keep what comes of it."""
+    return kept(njit(nogil=True, **_OPTIONS)(function), FLAVOUR)
+
+
+def allocating_entry(function: Callable) -> Any:
+    """Compile an entry that makes arrays of its own."""
+    return kept(njit(nogil=True, error_model="numpy")(function), FLAVOUR)
 
 
 class _Announcer(event.Listener):
@@ -41,43 +86,3 @@ class _Announcer(event.Listener):
 
 
 event.register("numba:compile", _Announcer())
-
-
-class _Gathered(JITCodeLibrary):
-    """The code of a kernel and of all that it calls, as it came from Python."""
-
-    def finalize(self) -> None:
-        """Take in the code of what is called, and leave all else to the entry."""
-        for library in dict.fromkeys(self._linking_libraries):
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-        self._finalized = True
-
-
-class _Inlined(Compiler):
-    """numba's compiler up to the code, not to a function that could be called by itself."""
-
-    def compile_extra(self, function: Callable) -> CompileResult:
-        state = self.state
-        state.flags.no_compile = True
-        state.library = _Gathered(state.targetctx.codegen(), function.__qualname__)
-        state.library.enable_object_caching()
-        result = super().compile_extra(function)
-        # numba knows an implementation by its built-in function. Each bound method is one of its
-        # own, and this one is an error when Python calls it: nothing is in the dictionary.
-        result = result._replace(entry_point={}.popitem)
-        state.targetctx.insert_user_function(result.entry_point, result.fndesc, [result.library])
-        return result
-
-
-_inlined = njit(
-    error_model="numpy", _nrt=False, forceinline=True, no_cpython_wrapper=True,
-    no_cfunc_wrapper=True, pipeline_class=_Inlined,
-)  # fmt: skip
-
-
-def kernel(function: Callable) -> Any:
-    """Compile a function that is only called from compiled ones."""
-    made = _inlined(function)
-    typed = made.get_call_template
-    made.get_call_template = lambda args, kws: typed(tuple(map(unliteral, args)), kws)
-    return made

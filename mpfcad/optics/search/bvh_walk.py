@@ -3,13 +3,10 @@
 import math
 from typing import NamedTuple
 
-from numba import njit
-
-from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.lanes import LANES, any_of, bits, lowest_bit, select, spread
 from mpfcad.optics.base.lanes_array import load, local_floats, local_wholes, store
 from mpfcad.optics.search.triangle import BEHIND, Aim, aim_at, facet_distance, on_edge, turned
-from mpfcad.store.kernel import kept
 
 _STACK = 256
 
@@ -157,8 +154,7 @@ def closest_facet(bvh, ox, oy, oz, dx, dy, dz, side, slack, farthest):
         node = node_of[depth]
 
 
-@kept
-@njit(nogil=True, error_model="numpy", _nrt=False)
+@entry
 def closest_facets(bvh, origin, direction, found):
     """Put the first facet that each ray leaves through, or -1, into found (n,) int64.
 
