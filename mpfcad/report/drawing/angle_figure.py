@@ -9,7 +9,7 @@ from mpfcad.report.drawing.figure import (
     FILM_COLOUR,
     FINE,
     THIRD_COLOUR,
-    fourier,
+    fitted_curve,
     line,
     rounded,
     styled,
@@ -138,7 +138,7 @@ def pitch_figure(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":
         value = np.array(curve["luminance_cd_m2"]) / mean - 1
         error = np.array(curve["standard_error_cd_m2"]) / mean
         error *= reach(found["degrees_of_freedom"])
-        fit = fourier(FINE, found["fit"]["coefficient_cd_m2"]) / mean - 1
+        fit = fitted_curve(found, FINE) / mean - 1
         figure.add_scatter(
             x=rounded(FINE, 5), y=rounded(fit * 100, 4), mode="lines", name=name,
             line=line(colour, 2), legendgroup=name, hoverinfo="skip",

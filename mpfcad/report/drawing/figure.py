@@ -35,7 +35,7 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         x = np.array(curve["position_pitch"])
         value = np.array(curve["luminance_cd_m2"])
         error = reach(found["degrees_of_freedom"]) * np.array(curve["standard_error_cd_m2"])
-        fit = fourier(FINE, found["fit"]["coefficient_cd_m2"])
+        fit = fitted_curve(found, FINE)
         mean = found["mean_luminance_cd_m2"]["value"]
         dress = (name, colour, band)
         _add_band(figure, x, value, error, fit, dress, column=1)
@@ -98,6 +98,11 @@ def film_figure(
     for column in range(2, rows + 1):
         figure.update_yaxes(rangemode="tozero", row=1, col=column)
     return styled(figure, 330)
+
+
+def fitted_curve(found: dict[str, Any], position: np.ndarray) -> np.ndarray:
+    """Return the curve [cd/m²] that the contrast of a trace is read from, at positions [pitch]."""
+    return fourier(position, found["fit"]["coefficient_cd_m2"])
 
 
 def fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:

@@ -16,7 +16,7 @@ _ZOOM = 3
 _BANDS = (0.005, 0.01, 0.02, 0.05, 0.1)
 _MOST_COUNTS = 60_000
 #: Bands below, at and above the mean.
-_LOW, _MEAN, _HIGH = (np.array(c, float) for c in ((8, 48, 107), (244, 244, 240), (140, 45, 4)))
+LOW, MEAN, HIGH = (np.array(c, float) for c in ((8, 48, 107), (244, 244, 240), (140, 45, 4)))
 _BANDS_TO_FULL = 5
 
 
@@ -56,7 +56,7 @@ def contour(picture: NDArray[np.float64], width: float) -> NDArray[np.uint8]:
     """
     band = np.round((picture / picture.mean() - 1) / width)
     share = np.clip(np.abs(band) / _BANDS_TO_FULL, 0, 1)[..., None]
-    colour = _MEAN + share * (np.where(band[..., None] < 0, _LOW, _HIGH) - _MEAN)
+    colour = MEAN + share * (np.where(band[..., None] < 0, LOW, HIGH) - MEAN)
     border = np.zeros(band.shape, bool)
     border[1:] |= band[1:] != band[:-1]
     border[:, 1:] |= band[:, 1:] != band[:, :-1]

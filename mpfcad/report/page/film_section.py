@@ -22,6 +22,7 @@ def film_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
     if isinstance(drawn, CellFilm):
         return {
             "kind": "cell",
+            "plot": None,
             "shape": drawn.shape,
             "pitch_um": f"{piece.groove.pitch / um:g}",
             "curvature": f"{drawn.curvature:g}",

@@ -4,21 +4,23 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.report.page.cad_section import cad_values
+from mpfcad.report.page.decision import decision_values
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.film_section import film_values
 from mpfcad.report.page.mask_section import mask_values
-from mpfcad.report.page.section import input_values, luminance_values, verdict_values
+from mpfcad.report.page.section import input_values, luminance_values
+from mpfcad.report.page.wording import gate_values
 
 #: Title and template of each section, in the page's order.
 SECTIONS = (
-    ("Verdict", "verdict"),
-    ("Traceability", "traceability"),
-    ("Inputs", "input"),
+    ("Every gate", "gate"),
+    ("Backlight and inputs", "input"),
     ("Curvature, fill, aperture", "film"),
     ("Mask", "mask"),
     ("CAD files", "cad"),
-    ("Luminance over the lamp pitch", "luminance"),
+    ("Light: traces and energy", "luminance"),
+    ("Traceability", "traceability"),
 )
 
 
@@ -34,7 +36,8 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         "report.html.j2",
         record=record,
         sections=SECTIONS,
-        verdict=verdict_values(record),
+        decision=decision_values(record),
+        gates=[gate_values(gate) for gate in record["gates"]],
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
         input=input_values(evidence),
         film=film_values(record, evidence),

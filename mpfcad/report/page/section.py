@@ -1,23 +1,12 @@
-"""What the report's sections on verdict, inputs and luminance show."""
+"""What the report's sections on inputs and luminance show."""
 
 from typing import Any
 
-from mpfcad.report.drawing.figure import luminance_figure
-from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.number import number
-from mpfcad.report.page.wording import gate_values, verdict_words
 
 Record = dict[str, Any]
-
-
-def verdict_values(record: Record) -> dict[str, Any]:
-    """Return the verdict in words, and what stands in the line of each gate."""
-    return {
-        "words": verdict_words(record),
-        "gates": [gate_values(gate) for gate in record["gates"]],
-    }
 
 
 def input_values(evidence: Evidence) -> dict[str, Any]:
@@ -26,24 +15,29 @@ def input_values(evidence: Evidence) -> dict[str, Any]:
 
 
 def luminance_values(record: Record) -> dict[str, Any]:
-    """Return luminance over the pitch, against the conventional stack, and the energy balance."""
-    base = record["baseline"]
+    """Return the figures of every trace, and their energy balances beside each other."""
+    names = {
+        "this film": record,
+        "plain BEF": record.get("plain"),
+        "conventional": record["baseline"],
+    }
+    traces = {name: found for name, found in names.items() if found}
     return {
-        "plot": plot(luminance_figure(record), "luminance"),
-        "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
-        "traces": [(record["name"], record), ("conventional", base)],
-        "energy": _energy_rows(record["energy"], base["energy"]),
+        "traces": list(traces.items()),
+        "energy_head": ["share of the lamps' light", *traces],
+        "energy": _energy_rows([found["energy"] for found in traces.values()]),
     }
 
 
-def _energy_rows(here: dict[str, Any], there: dict[str, Any], prefix: str = "") -> list[list[str]]:
-    """Return the rows of two energy balances, those of each element among them."""
+def _energy_rows(shares: list[dict[str, Any]], prefix: str = "") -> list[list[str]]:
+    """Return the rows of several energy balances, those of each element among them."""
     rows: list[list[str]] = []
-    for key in dict.fromkeys([*here, *there]):
+    for key in dict.fromkeys(key for share in shares for key in share):
         label = prefix + key.replace("_", " ")
-        pair = (here.get(key, "–"), there.get(key, "–"))
-        if isinstance(pair[0], dict):
-            rows += _energy_rows(*pair, prefix=label + " ")
+        found = [share.get(key, "–") for share in shares]
+        if any(isinstance(entry, dict) for entry in found):
+            parts = [entry if isinstance(entry, dict) else {} for entry in found]
+            rows += _energy_rows(parts, prefix=label + " ")
         else:
-            rows.append([label, number(pair[0], 5), number(pair[1], 5)])
+            rows.append([label, *(number(entry, 5) for entry in found)])
     return rows

@@ -57,32 +57,23 @@ GATES = {
 YES_NO = ("step_valid", "mesh_watertight", "traced_file_is_shipped_file")
 
 _SENTENCES = {
-    "PASS": "The lamps cannot be seen: the contrast is within {limit} with 95 % confidence.",
-    "MARGINAL": "The lamps can barely be seen: the contrast is within the acceptance limit "
-    "{marginal} with 95 % confidence, but not surely within {limit}.",
-    "INCONCLUSIVE": "Not decided: the contrast's 95 % interval straddles the acceptance limit "
-    "{marginal}. Trace longer (--effort standard or final).",
-    "FAIL": "The lamps can be seen: the contrast is above the acceptance limit {marginal} with "
-    "95 % confidence.",
+    "PASS": "By the job's limits the lamps are invisible: the whole 95 % interval is within "
+    "{limit}.",
+    "MARGINAL": "By the job's limits the lamps are barely visible: the whole 95 % interval is "
+    "within {marginal}, but not within {limit}.",
+    "INCONCLUSIVE": "Not decided: the 95 % interval straddles the acceptance limit {marginal}. "
+    "Trace longer: --effort standard or final.",
+    "FAIL": "By the job's limits the lamps are visible: the whole 95 % interval is above the "
+    "acceptance limit {marginal}.",
 }
 
 
-def verdict_words(record: dict[str, Any]) -> str:
-    """Return the verdict in words: the contrast, the light, and every other gate not passed."""
+def verdict_sentence(record: dict[str, Any]) -> str:
+    """Return what the contrast's gate decides, as a sentence."""
     gate = record["gates"][0]
-    words = _SENTENCES[gate["outcome"]].format(
+    return _SENTENCES[gate["outcome"]].format(
         limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
     )
-    contrast = with_interval(record["lamp_mura_contrast"], 4)
-    relative = record["relative_luminance"] * 100
-    words += (
-        f" Lamp-Mura contrast {contrast}; mean normal luminance {relative:.1f} % of the "
-        f"conventional stack's."
-    )
-    failed = [GATES[g["name"]][0] for g in record["gates"][1:] if g["outcome"] != "PASS"]
-    if failed:
-        words += " Not passed: " + ", ".join(failed) + "."
-    return words
 
 
 def gate_values(gate: dict[str, Any]) -> dict[str, Any]:

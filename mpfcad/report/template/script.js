@@ -1,9 +1,57 @@
-// Curves are drawn anew for the width of a sheet of paper, and for the window afterwards.
-for (const place of document.querySelectorAll(".plot")) {
-  const figure = JSON.parse(place.nextElementSibling.textContent);
-  Plotly.newPlot(place, figure.data, figure.layout, figure.config);
+// Draws each figure when it comes to be seen: a folded section has no width to draw into.
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const axisOf = name => /^(x|y)axis\d*$/.test(name);
+// Paper is white, whatever the screen.
+function dress(layout, paper) {
+  const night = dark.matches && !paper;
+  const made = structuredClone(layout);
+  made.font = {...made.font, color: night ? "#dbe2ea" : "#222"};
+  for (const key of Object.keys(made)) if (axisOf(key))
+    made[key].gridcolor = night ? "#3b444e" : "#e4e4e4";
+  return made;
 }
-const plots = () => document.querySelectorAll(".plot");
-addEventListener("beforeprint", () => plots().forEach(p => Plotly.relayout(p, {width: 680})));
-addEventListener("afterprint", () => plots().forEach(p => Plotly.relayout(p, {width: null,
-  autosize: true})));
+function draw(place, width) {
+  place.figure ??= JSON.parse(place.nextElementSibling.textContent);
+  const layout = dress(place.figure.layout, width !== undefined);
+  if (width) layout.width = width;
+  const narrow = (width ?? place.clientWidth) < 560;
+  const columns = Object.keys(layout).filter(key => /^xaxis\d*$/.test(key));
+  if (narrow && columns.length > 1 && layout.annotations?.length) stack(layout, columns, place);
+  Plotly.react(place, place.figure.data, layout, place.figure.config);
+  place.drawn = true;
+}
+// On a phone plots beside each other stand above each other.
+function stack(layout, columns, place) {
+  const count = columns.length, gap = 0.16 / count;
+  const high = (1 - gap * (count - 1)) / count;
+  columns.forEach((key, i) => {
+    const upper = 1 - i * (high + gap);
+    layout[key].domain = [0, 1];
+    layout[key.replace("x", "y")].domain = [Math.max(upper - high, 0), upper];
+    const title = layout.annotations[i];
+    if (title) Object.assign(title, {x: 0.5, y: upper, xanchor: "center", yanchor: "bottom"});
+    if (i < count - 1) layout[key].title = {text: ""};
+  });
+  layout.height = place.figure.layout.height * (0.75 * count);
+  layout.margin = {...layout.margin, l: 48, r: 8};
+  layout.legend = {...layout.legend, y: -0.12};
+  place.style.height = layout.height + "px";
+}
+const plots = () => [...document.querySelectorAll(".plot")];
+const seen = place => place.getClientRects().length > 0;
+const drawSeen = () => plots().forEach(place => seen(place) && !place.drawn && draw(place));
+document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", drawSeen));
+dark.addEventListener("change", () => plots().forEach(place => place.drawn && draw(place)));
+addEventListener("beforeprint", () => {
+  document.querySelectorAll("details").forEach(part => { part.wasOpen = part.open; part.open = true; });
+  plots().forEach(place => draw(place, 680));
+});
+addEventListener("afterprint", () => {
+  plots().forEach(place => draw(place));
+  document.querySelectorAll("details").forEach(part => { part.open = part.wasOpen; });
+});
+// A link to a section opens it.
+const openTarget = () => document.querySelector(`details[id="${location.hash.slice(1)}"]`)?.setAttribute("open", "");
+addEventListener("hashchange", openTarget);
+openTarget();
+drawSeen();

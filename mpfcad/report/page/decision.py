@@ -1,0 +1,171 @@
+"""What decides: the verdict, the contrast on a scale, how the films look, what is assumed."""
+
+from typing import Any
+
+import numpy as np
+
+from mpfcad.report.drawing.figure import fitted_curve, luminance_figure
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.drawing.strip import (
+    PITCHES,
+    common_reach,
+    deviation_strip,
+    scale_strip,
+    seen_strip,
+    strip_position,
+)
+from mpfcad.report.page.wording import GATES, verdict_sentence
+
+Record = dict[str, Any]
+#: The scale of contrasts ends at the largest of these parts of the wider limit and the interval.
+_LIMITS_SHOWN, _ROOM = 1.5, 1.1
+#: Inputs named in a line of what is assumed.
+_NAMED = 6
+
+
+def decision_values(record: Record) -> Record:
+    """Return what the first page shows."""
+    films = _films(record)
+    return {
+        "sentence": verdict_sentence(record),
+        "others": _other_gates(record),
+        "figures": _figures(record),
+        "scale": _scale(record, films),
+        "strips": _strips(films),
+        "luminance": plot(luminance_figure(record), "luminance"),
+        "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
+        "assumed": _assumed(record),
+    }
+
+
+def _films(record: Record) -> list[tuple[str, Record]]:
+    """Return (name, its trace) of this film and of those that it is compared with."""
+    films = [(f"this film: {record['name']}", record)]
+    if record.get("plain"):
+        films.append(("plain BEF in this backlight", record["plain"]))
+    return [*films, ("conventional stack", record["baseline"])]
+
+
+def _other_gates(record: Record) -> Record:
+    others = record["gates"][1:]
+    missed = [gate for gate in others if gate["outcome"] != "PASS"]
+    return {
+        "count": len(others),
+        "missed": [
+            (GATES.get(gate["name"], (gate["name"], ""))[0], gate["outcome"]) for gate in missed
+        ],
+    }
+
+
+def _figures(record: Record) -> list[tuple[str, str, str]]:
+    """Return (what, value, its 95 % interval) of the figures that a reader looks for first."""
+    contrast, mean = record["lamp_mura_contrast"], record["mean_luminance_cd_m2"]
+    return [
+        (
+            "lamp-Mura contrast",
+            f"{contrast['value']:.4f}",
+            f"95 %: {contrast['ci95'][0]:.4f} … {contrast['ci95'][1]:.4f}",
+        ),
+        (
+            "mean normal luminance",
+            f"{mean['value']:.0f} cd/m²",
+            f"95 %: {mean['ci95'][0]:.0f} … {mean['ci95'][1]:.0f}",
+        ),
+        (
+            "of the conventional stack's",
+            f"{record['relative_luminance'] * 100:.1f} %",
+            f"{record['baseline']['mean_luminance_cd_m2']['value']:.0f} cd/m²",
+        ),
+    ]
+
+
+def _scale(record: Record, films: list[tuple[str, Record]]) -> Record:
+    """Return limits, threshold and intervals as percent of the scale's length."""
+    gate = record["gates"][0]
+    end = max(_LIMITS_SHOWN * gate["marginal_limit"], _ROOM * gate["ci95"][1])
+
+    def place(value: float) -> float:
+        return round(100 * min(max(value / end, 0.0), 1.0), 3)
+
+    rows = []
+    for name, found in films:
+        contrast = found["lamp_mura_contrast"]
+        low, high = contrast["ci95"]
+        rows.append(
+            {
+                "name": name,
+                "words": f"{contrast['value']:.4f} [{low:.4f}, {high:.4f}]",
+                "left": place(low),
+                "width": round(max(place(high) - place(low), 0.4), 3),
+                "at": place(contrast["value"]),
+                "beyond": low > end,
+            }
+        )
+    marks = [
+        {"words": f"PASS ≤ {gate['limit']:g}", "at": place(gate["limit"])},
+        {"words": f"MARGINAL ≤ {gate['marginal_limit']:g}", "at": place(gate["marginal_limit"])},
+    ]
+    eye = record.get("eye")
+    seen = None
+    if eye:
+        seen = {
+            "at": place(eye["threshold_contrast"]),
+            "value": f"{eye['threshold_contrast']:.4f}",
+            "pitch": f"{eye['stripe_pitch_mm']:g}",
+            "distance": f"{eye['viewing_distance_mm'] / 1000:g}",
+            "luminance": f"{eye['luminance_at_eye_cd_m2']:.0f}",
+        }
+    return {"end": f"{end:.3g}", "rows": rows, "marks": marks, "eye": seen}
+
+
+def _strips(films: list[tuple[str, Record]]) -> Record:
+    position = strip_position()
+    curves = [fitted_curve(found, position) for _, found in films]
+    white, reach = 1.05 * max(float(np.max(curve)) for curve in curves), common_reach(curves)
+    rows = [
+        {
+            "name": name,
+            "seen": seen_strip(curve, white),
+            "deviation": deviation_strip(curve, reach),
+            "range": f"{curve.min():.0f} … {curve.max():.0f} cd/m²",
+        }
+        for (name, _), curve in zip(films, curves, strict=True)
+    ]
+    return {
+        "rows": rows,
+        "white": f"{white:.0f}",
+        "reach": f"{reach * 100:.3g}",
+        "scale": scale_strip(),
+        "pitches": PITCHES,
+    }
+
+
+def _assumed(record: Record) -> list[tuple[str, str]]:
+    """Return what is assumed, a line each of backlight, print, and the rest of the job."""
+    stack = [entry for entry in record["inputs"] if entry["name"].startswith("stack.")]
+    assumed = [entry["name"].removeprefix("stack.") for entry in stack if _is_assumed(entry)]
+    named = ", ".join(assumed[:_NAMED])
+    more = len(assumed) - _NAMED
+    backlight = f"{len(assumed)} of {len(stack)} values are assumed, not measured"
+    if assumed:
+        backlight += f": {named}" + (f" and {more} more" if more > 0 else "")
+    lines = [("Backlight", backlight + ".")]
+    if record["process"]:
+        caveats = record["process"]["caveats"]
+        lines.append(("Printing process", (caveats[0] if caveats else "calibrated") + "."))
+    else:
+        lines.append(("Printing process", "none: this film is not printed."))
+    rest = [
+        entry["name"]
+        for entry in record["inputs"]
+        if _is_assumed(entry) and not entry["name"].startswith(("stack.", "process."))
+    ]
+    words = f"{len(rest)} values of the job are defaults"
+    lines.append(
+        ("Mask and CAD", words + (f": {', '.join(rest[:_NAMED])} …" if rest else "") + ".")
+    )
+    return lines
+
+
+def _is_assumed(entry: Record) -> bool:
+    return entry["tag"] == "assumed"
