@@ -14,6 +14,7 @@ from mpfcad.measure.contrast.contrast import contrast_of_harmonics
 from mpfcad.measure.contrast.fit import fit_harmonics
 from mpfcad.measure.contrast.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.estimate import Estimate, reach
+from mpfcad.measure.eye import describe_eye, threshold_contrast
 from mpfcad.measure.flux import FluxResult, output_flux
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
@@ -40,6 +41,7 @@ __all__ = [
     "check_finite",
     "conoscope",
     "contrast_of_harmonics",
+    "describe_eye",
     "fit_harmonics",
     "harmonic_amplitude",
     "light_film",
@@ -49,4 +51,5 @@ __all__ = [
     "reach",
     "relative_spread",
     "screen_uniformity",
+    "threshold_contrast",
 ]

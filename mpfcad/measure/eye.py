@@ -26,7 +26,7 @@ def threshold_contrast(
         X, side of the square that is looked at [degree]
 
     >>> round(threshold_contrast(32.69, 1200.0, 400.0), 4)
-    0.0026
+    0.0024
     """
     per_degree = 1 / math.degrees(2 * math.atan(pitch / 2 / distance))
     square = per_degree**2

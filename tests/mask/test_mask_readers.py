@@ -17,8 +17,10 @@ from small_mask import DOT, SLOT, build, flat_boxes, written
 
 from mpfcad.errors import ExportError
 from mpfcad.mask import MaskRules, Phototool, check_mask, write_markers, write_preview
+from mpfcad.mask.check.check import SQUARE
 from mpfcad.mask.check.drc import check_windows, sample_windows
 from mpfcad.mask.check.found import FoundMask, region_of
+from mpfcad.mask.check.preview import panel_ratio, whole_periods
 
 SHORT = [55.0, 57.5, 60.0, 80.0, 61.0]
 
@@ -190,7 +192,7 @@ def test_the_preview_is_a_picture_of_the_file(tmp_path):
     path = written(tmp_path / "m.oas", mask)
     check = check_mask(path, mask)
     for name in ("a.png", "b.png"):
-        write_preview(tmp_path / name, path, check)
+        write_preview(tmp_path / name, path, check, mask)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     with Image.open(tmp_path / "a.png") as picture:
         pixels = np.asarray(picture.convert("L"), float)
@@ -202,7 +204,26 @@ def test_the_preview_is_a_picture_of_the_file(tmp_path):
         "from mpfcad.mask import *\n"
         "p = Path(sys.argv[1])\n"
         "m = build(np.r_[np.full(20, 55.0), np.full(20, 62.0)], length=20.0)\n"
-        "write_preview(p.with_name('c.png'), p, check_mask(p, m))\n"
+        "write_preview(p.with_name('c.png'), p, check_mask(p, m), m)\n"
     )
     subprocess.run([sys.executable, "-c", code, str(path), str(Path(__file__).parent)], check=True)
     assert (tmp_path / "c.png").read_bytes() == (tmp_path / "a.png").read_bytes()
+
+
+def test_the_preview_has_no_beats_of_squares_with_slots(tmp_path):
+    """Slots of 640 µm in squares of 1 mm: a square holds one or two of them."""
+    rules = MaskRules("slot", 0.640, 0.010, 0.015)
+    mask = build(np.linspace(50.0, 62.0, 60), rules, length=32.0)
+    path = written(tmp_path / "m.oas", mask)
+    check = check_mask(path, mask)
+    assert np.ptp(check.ratio_map, axis=0).max() > 0.01
+    shown = panel_ratio(check, mask)
+    assert shown.max() == check.aperture_ratio.max()
+    assert shown.min() == check.aperture_ratio.min()
+    assert np.ptp(shown, axis=0).max() == 0
+
+
+def test_a_map_that_varies_along_is_averaged_over_whole_periods():
+    assert whole_periods(0.640) * SQUARE / 0.640 == pytest.approx(11, abs=0.11)
+    assert whole_periods(0.400) == 2
+    assert whole_periods(1.0) == 1

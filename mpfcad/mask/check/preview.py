@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.mask.check.check import READERS, MaskCheck
+from mpfcad.mask.aperture import Mask
+from mpfcad.mask.check.check import READERS, SQUARE, MaskCheck
 from mpfcad.mask.check.drc import sample_windows
 from mpfcad.mask.check.found import Box, FoundMask
 from mpfcad.mask.rule import GRID
@@ -22,27 +23,36 @@ if TYPE_CHECKING:
 #: Pixels: the panel's longer side, a window's side, space between, and the scale's width.
 PANEL, TILE, GAP, SCALE = 700, 300, 24, 16
 INK, SOFT, OPEN = (29, 35, 42), (90, 101, 112), (11, 95, 165)
+#: A wanted ratio that varies less along the grooves is the same there.
+SAME = 1e-9
+#: Averages along: over at most so many squares, at most so far from whole periods.
+MOST_SQUARES, NEARLY = 16, 0.01
 #: Shades from the smallest ratio to the largest.
 LOW, HIGH = np.array((235, 241, 247.0)), np.array((8, 48, 107.0))
 
 
-def write_preview(path: Path, file: Path, check: MaskCheck) -> None:
-    """Write the PNG at `path` of the mask in `file`, whose check is `check`."""
+def write_preview(path: Path, file: Path, check: MaskCheck, mask: Mask) -> None:
+    """Write the PNG at `path` of the mask in `file`, whose check is `check`.
+
+    `mask` says what period the apertures repeat with; what is drawn is what the file holds.
+    """
     from PIL import Image, ImageDraw
 
-    panel = _panel(check.ratio_map)
+    ratio = panel_ratio(check, mask)
+    panel = _panel(ratio, check.width / check.length)
     windows = _windows(file)
     side = (TILE + GAP + 18) * len(windows)
     height = max(panel.height + 60, side) + 2 * GAP
     picture = Image.new("RGB", (panel.width + SCALE + 120 + TILE + 2 * GAP, height), "white")
     pencil = ImageDraw.Draw(picture)
     picture.paste(panel, (GAP, GAP + 40))
-    low, high = float(check.ratio_map.min()), float(check.ratio_map.max())
-    title = f"{file.name}: aperture ratio of squares of 1 mm, {low:.4f} to {high:.4f}"
+    low, high = float(check.aperture_ratio.min()), float(check.aperture_ratio.max())
+    title = f"{file.name}: aperture ratio of the grooves, {low:.4f} to {high:.4f}"
     pencil.text((GAP, GAP - 6), title, fill=INK)
     size = f"{check.width:.6g} mm across the grooves (to the right) x {check.length:.6g} mm along"
     pencil.text((GAP, GAP + 12), size, fill=SOFT)
-    _draw_scale(picture, pencil, GAP + panel.width + 14, GAP + 40, panel.height, (low, high))
+    span = (float(ratio.min()), float(ratio.max()))
+    _draw_scale(picture, pencil, GAP + panel.width + 14, GAP + 40, panel.height, span)
     left = GAP + panel.width + SCALE + 96
     for i, (name, window) in enumerate(windows):
         top = GAP + i * (TILE + GAP + 18)
@@ -53,14 +63,40 @@ def write_preview(path: Path, file: Path, check: MaskCheck) -> None:
         picture.save(part, "PNG", optimize=False, compress_level=9)
 
 
-def _panel(ratio: NDArray[np.float64]) -> "Image.Image":
-    """Return the ratio map, along upwards, as one picture."""
+def panel_ratio(check: MaskCheck, mask: Mask) -> NDArray[np.float64]:
+    """Return the file's aperture ratio over the panel, (along, across) float64, without beats.
+
+    Where every groove has one ratio, that of each groove (one row). Elsewhere that of 1 mm squares,
+    averaged along over nearly whole periods of the apertures: a square alone holds one aperture
+    more or less than the next.
+    """
+    if float(np.ptp(mask.wanted_map(SQUARE), axis=0).max()) < SAME:
+        return check.aperture_ratio[None, :]
+    squares = check.ratio_map
+    count = min(whole_periods(mask.period), len(squares))
+    total = np.concatenate([np.zeros((1, squares.shape[1])), np.cumsum(squares, axis=0)])
+    return (total[count:] - total[:-count]) / count
+
+
+def whole_periods(period: float) -> int:
+    """Return the least number of squares whose length is nearly a whole number of periods [mm]."""
+    count = np.arange(1, MOST_SQUARES + 1)
+    turns = count * SQUARE / period
+    miss = np.abs(turns - np.rint(turns)) / turns
+    good = np.flatnonzero(miss < NEARLY)
+    return int(count[good[0]] if len(good) else count[np.argmin(miss)])
+
+
+def _panel(ratio: NDArray[np.float64], aspect: float) -> "Image.Image":
+    """Return the ratio, along upwards, as one picture; its pixels average by area."""
     from PIL import Image
 
-    picture = Image.fromarray(_shade(ratio[::-1], float(ratio.min()), float(ratio.max())))
-    factor = PANEL / max(picture.size)
-    width, height = (max(1, round(n * factor)) for n in picture.size)
-    return picture.resize((width, height), Image.Resampling.NEAREST)
+    factor = PANEL / max(aspect, 1.0)
+    size = (max(1, round(factor * aspect)), max(1, round(factor)))
+    image = Image.fromarray(ratio[::-1].astype(np.float32), mode="F")
+    across = image.resize((size[0], image.height), Image.Resampling.BOX)
+    whole = np.asarray(across.resize(size, Image.Resampling.BOX), float)
+    return Image.fromarray(_shade(whole, float(ratio.min()), float(ratio.max())))
 
 
 def _shade(ratio: NDArray[np.float64], low: float, high: float) -> NDArray[np.uint8]:

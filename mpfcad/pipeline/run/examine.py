@@ -28,6 +28,7 @@ from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
+from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
 
 #: The stack that every result is compared with: the thesis's own reference.
@@ -58,8 +59,9 @@ class Findings:
     wanted_ratio
         (n,) float64, mean aperture ratio that each groove of the panel should have; None without
         mask
-    luminance, baseline
-        of this film, and of the conventional stack with a plain BEF
+    luminance, plain, baseline
+        of this film, of its prisms without resin in the same backlight, and of the conventional
+        stack with a plain BEF
     """
 
     mask: dict[str, MaskCheck]
@@ -71,6 +73,7 @@ class Findings:
     traced_sha256: str
     wanted_ratio: NDArray[np.float64] | None
     luminance: LuminanceResult
+    plain: LuminanceResult
     baseline: LuminanceResult
 
 
@@ -107,11 +110,13 @@ def examine(
     progress.stage("tracing film.stl")
     lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
     luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    progress.stage("tracing the film without resin")
+    plain = trace_plain(plan, folder, run, setting.half_width_goal)
     progress.stage("tracing the conventional stack")
     lit = light_baseline(plan.job.cad.angle_tolerance)
     baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     return Findings(
-        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, baseline
+        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, plain, baseline
     )
 
 

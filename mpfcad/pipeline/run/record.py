@@ -11,6 +11,7 @@ from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
+from mpfcad.measure import describe_eye
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.plan.field import FIELD_FILE
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, describe_stack
@@ -60,8 +61,14 @@ def build_record(
         gates=gates,
         checks=checks,
         luminance=findings.luminance,
+        plain=findings.plain,
         baseline=findings.baseline,
         baseline_stack=BASELINE_PRESET,
+        eye=describe_eye(
+            plan.stack.lamp_pitch,
+            job.mask.viewing_distance_mm,
+            findings.luminance.mean_luminance.value,
+        ),
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),

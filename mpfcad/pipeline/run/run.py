@@ -94,7 +94,7 @@ def _examine_and_report(
 
     setting = TRACE_SETTINGS[effort]
     findings = examine(folder, plan, mask, setting, threads, checkpoints, progress)
-    write_mask_pictures(folder, findings.mask)
+    write_mask_pictures(folder, findings.mask, mask)
     provenance = build_provenance(plan, job_file, effort)
     record = build_record(folder, plan, findings, setting, provenance)
     write_text(folder / VERIFICATION, canonical_json(record))
@@ -128,7 +128,8 @@ def make_mask(
         tool = phototool(job.mask)
         formats = formats or tuple(job.mask.formats)
         write_masks(plan.mask, tool, folder, formats, progress)
-        write_mask_pictures(folder, check_masks(plan.mask, tool, folder, formats, progress))
+        checks = check_masks(plan.mask, tool, folder, formats, progress)
+        write_mask_pictures(folder, checks, plan.mask)
         progress.stage("writing screen.json")
         write_text(folder / SCREEN, canonical_json(plan.describe()))
         write_manifest(folder, job.name, "mask")

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
 FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
+THIRD_BAND = "rgba(63,127,79,0.14)"
 #: Positions [pitch] at which the fitted curves are drawn.
 FINE = np.linspace(0, 1, 129)
 
@@ -26,10 +27,10 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         horizontal_spacing=0.1,
         subplot_titles=("normal luminance [cd/m²]", "over its own mean [%]"),
     )
-    curves = (
-        ("this film", record, FILM_COLOUR, FILM_BAND),
-        ("conventional", record["baseline"], BASE_COLOUR, BASE_BAND),
-    )
+    curves = [("this film", record, FILM_COLOUR, FILM_BAND)]
+    if record.get("plain"):
+        curves.append(("plain BEF, this backlight", record["plain"], THIRD_COLOUR, THIRD_BAND))
+    curves.append(("conventional", record["baseline"], BASE_COLOUR, BASE_BAND))
     for name, found, colour, band in curves:
         curve = found["luminance"]
         x = np.array(curve["position_pitch"])
@@ -170,6 +171,7 @@ def styled(figure: "go.Figure", height: int) -> "go.Figure":
     figure.update_layout(
         template="none",
         paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
         height=height,
         margin={"l": 60, "r": 20, "t": 40, "b": 80},
         font={"family": "system-ui, sans-serif", "size": 12, "color": "#222"},

@@ -144,12 +144,8 @@ def _assumed(record: Record) -> list[tuple[str, str]]:
     """Return what is assumed, a line each of backlight, print, and the rest of the job."""
     stack = [entry for entry in record["inputs"] if entry["name"].startswith("stack.")]
     assumed = [entry["name"].removeprefix("stack.") for entry in stack if _is_assumed(entry)]
-    named = ", ".join(assumed[:_NAMED])
-    more = len(assumed) - _NAMED
-    backlight = f"{len(assumed)} of {len(stack)} values are assumed, not measured"
-    if assumed:
-        backlight += f": {named}" + (f" and {more} more" if more > 0 else "")
-    lines = [("Backlight", backlight + ".")]
+    words = f"{len(assumed)} of {len(stack)} values are assumed, not measured"
+    lines = [("Backlight", words + _listed(assumed))]
     if record["process"]:
         caveats = record["process"]["caveats"]
         lines.append(("Printing process", (caveats[0] if caveats else "calibrated") + "."))
@@ -160,11 +156,16 @@ def _assumed(record: Record) -> list[tuple[str, str]]:
         for entry in record["inputs"]
         if _is_assumed(entry) and not entry["name"].startswith(("stack.", "process."))
     ]
-    words = f"{len(rest)} values of the job are defaults"
-    lines.append(
-        ("Mask and CAD", words + (f": {', '.join(rest[:_NAMED])} …" if rest else "") + ".")
-    )
+    lines.append(("Mask and CAD", f"{len(rest)} values of the job are defaults" + _listed(rest)))
     return lines
+
+
+def _listed(names: list[str]) -> str:
+    """Return the first names after a colon, and how many more there are."""
+    if not names:
+        return "."
+    more = len(names) - _NAMED
+    return f": {', '.join(names[:_NAMED])}" + (f" and {more} more." if more > 0 else ".")
 
 
 def _is_assumed(entry: Record) -> bool:

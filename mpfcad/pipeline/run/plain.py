@@ -1,0 +1,39 @@
+"""The plain prism film in the job's own backlight: what the resin is there for."""
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from mpfcad.film import PrismFilm
+from mpfcad.measure import LuminanceResult, TraceRun, light_film, luminance_over_pitch
+from mpfcad.pipeline.plan.plan import Plan, groove_count
+
+#: Half of the 95 % interval of the contrast at which its trace ends: its lamps show plainly.
+PLAIN_GOAL = 0.004
+
+
+def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float) -> LuminanceResult:
+    """Return the light of the job's prisms without resin, written to a file and read back.
+
+    `folder` holds the meshes that the stack needs besides the film's.
+    """
+    from mpfcad.cad import write_stl
+
+    stack = plan.stack.with_files_in(folder)
+    if stack.resin_scatters:
+        clear = replace(stack.quantity["resin_scattering_per_mm"], value=0.0)
+        stack = stack.with_values({"resin_scattering_per_mm": clear})
+    with tempfile.TemporaryDirectory() as temporary:
+        mesh = Path(temporary) / "plain.stl"
+        write_stl(_plain_film(plan), mesh, plan.job.cad.angle_tolerance)
+        goal = max(half_width_goal, PLAIN_GOAL)
+        return luminance_over_pitch(light_film(stack, mesh), run, half_width_goal=goal)
+
+
+def _plain_film(plan: Plan) -> PrismFilm:
+    """Return one lamp pitch of the job's prisms without resin."""
+    groove = plan.piece.groove
+    empty = np.full(groove_count(plan.stack.lamp_pitch, groove.pitch), groove.curvature_empty)
+    return PrismFilm(groove, plan.piece.base, 2.0, "filled", empty)
