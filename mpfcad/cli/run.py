@@ -1,10 +1,20 @@
 """`mpfcad run`: the whole job, from the curvature map to the verdict."""
 
+from typing import Annotated
+
+import typer
+
 from mpfcad.cli.option import JobFile, Out, Threads, TraceEffort
 
 
 def command(
-    job_file: JobFile, out: Out = None, effort: TraceEffort = None, threads: Threads = None
+    job_file: JobFile,
+    out: Out = None,
+    effort: TraceEffort = None,
+    threads: Threads = None,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Print report.pdf (A4), by a Chromium that is installed.")
+    ] = False,
 ) -> int:
     """Make mask, CAD files, ray trace and report of a job."""
     from mpfcad.cli.terminal import Terminal, print_verdict
@@ -22,6 +32,7 @@ def command(
             effort=effort.value if effort else None,
             threads=threads,
             progress=terminal,
+            pdf=pdf,
         )
     print_verdict(verification, folder)
     return exit_code(verification["verdict"])

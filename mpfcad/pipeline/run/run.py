@@ -30,7 +30,7 @@ from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 from mpfcad.store import Store
 
 VERIFICATION = "verification.json"
-REPORT = "report.html"
+REPORT, PRINTED = "report.html", "report.pdf"
 SCREEN = "screen.json"
 
 
@@ -47,16 +47,20 @@ def run_job(
     effort: str | None = None,
     threads: int | None = None,
     progress: Progress = SILENT,
+    pdf: bool = False,
 ) -> dict[str, Any]:
     """Make, check and trace a job into the folder `out`; return its verification.json.
+
+    With `pdf` the report is printed too.
 
     Raises
     ------
     InputError
-        when the job or a file it names is wrong; `out` is then as it was.
+        when the job or a file it names is wrong, or no browser can print; `out` is then as it was.
     ExportError
         when a file does not read back as what it should hold; `out` is then as it was.
     """
+    browser = _browser() if pdf else None
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
@@ -74,8 +78,14 @@ def run_job(
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
         write_stack_meshes(plan, folder, progress)
         return _examine_and_report(
-            folder, plan, mask, job_file, effort, threads, checkpoints, progress
+            folder, plan, mask, job_file, effort, threads, checkpoints, progress, browser
         )
+
+
+def _browser() -> str:
+    from mpfcad.report.pdf import find_browser
+
+    return find_browser()
 
 
 def _examine_and_report(
@@ -87,6 +97,7 @@ def _examine_and_report(
     threads: int | None,
     checkpoints: Checkpoints,
     progress: Progress,
+    browser: str | None,
 ) -> dict[str, Any]:
     from mpfcad.pipeline.run.examine import examine
     from mpfcad.pipeline.run.record import build_provenance, build_record, gather_evidence
@@ -100,6 +111,11 @@ def _examine_and_report(
     write_text(folder / VERIFICATION, canonical_json(record))
     progress.stage("writing report.html")
     write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
+    if browser is not None:
+        from mpfcad.report.pdf import write_pdf
+
+        progress.stage(f"printing {PRINTED}")
+        write_pdf(folder / REPORT, folder / PRINTED, browser)
     write_manifest(folder, plan.job.name, "run")
     return record
 
