@@ -35,5 +35,5 @@ def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float)
 def _plain_film(plan: Plan) -> PrismFilm:
     """Return one lamp pitch of the job's prisms without resin."""
     groove = plan.piece.groove
-    empty = np.full(groove_count(plan.stack.lamp_pitch, groove.pitch), groove.curvature_empty)
+    empty = np.full(groove_count(plan.stack.period.across, groove.pitch), groove.curvature_empty)
     return PrismFilm(groove, plan.piece.base, 2.0, "filled", empty)

@@ -65,7 +65,7 @@ def build_record(
         baseline=findings.baseline,
         baseline_stack=BASELINE_PRESET,
         eye=describe_eye(
-            plan.stack.lamp_pitch,
+            plan.stack.period.across,
             job.mask.viewing_distance_mm,
             findings.luminance.mean_luminance.value,
         ),
