@@ -24,7 +24,8 @@ def command(
         list[Path],
         typer.Argument(
             metavar="FILE…",
-            help="A film mesh (.stl), or a table (.xml, .csv, one or more .bsdf) to check.",
+            help="A film (.stl, .3mf, .ply, .obj, .step), or a table (.xml, .csv, .astm, one or "
+            "more .bsdf) to check.",
             show_default=False,
         ),
     ],
@@ -87,8 +88,9 @@ def command(
     from mpfcad.optics.bsdf.file import FORMATS, bsdf_texts, read_bsdf, write_texts
     from mpfcad.optics.bsdf.missing import NONE, WHOLE, Taken
     from mpfcad.optics.bsdf.rebin import rebin
+    from mpfcad.optics.solid.file import SUFFIXES
 
-    of_mesh = files[0].suffix.lower() == ".stl"
+    of_mesh = files[0].suffix.lower() in SUFFIXES
     if of_mesh and len(files) > 1:
         raise InputError(f"{files[1]}: several files: expected for Zemax .bsdf only")
     chosen = formats(format, FORMATS) if format else ("klems",) * of_mesh

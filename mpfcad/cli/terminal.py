@@ -185,6 +185,8 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
     print(f"accelerator {figures['accelerator'] or 'none: no mesh'}")
+    for note in figures["traced"]["notes"]:
+        print(note)
     for table in figures["traced"]["tables"]:
         for note in table["notes"]:
             print(f"{table['file']}: {note}")

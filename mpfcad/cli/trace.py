@@ -12,8 +12,9 @@ def command(
     mesh: Annotated[
         Path | None,
         typer.Argument(
-            metavar="FILE.stl",
-            help="A closed film mesh, in mm; none for a stack with a BSDF table in its place.",
+            metavar="FILE",
+            help="A closed film: STL, 3MF, PLY, OBJ or STEP, in mm; none for a stack with a BSDF "
+            "table in its place.",
             show_default=False,
         ),
     ] = None,
@@ -29,7 +30,7 @@ def command(
     ] = 0.0,
     prism: Annotated[
         Path | None,
-        typer.Option("--prism", metavar="FILE.stl", help="The film without scattering resin."),
+        typer.Option("--prism", metavar="FILE", help="The film without scattering resin."),
     ] = None,
     repair: Annotated[
         bool,

@@ -73,6 +73,8 @@ class Lit:
         from the bottom up, and lowered for the kernels
     case
         what the scene depends on, in plain values
+    notes
+        a line of what was read of the film's file
     """
 
     stack: Stack
@@ -80,6 +82,7 @@ class Lit:
     scene: "Scene"
     case: dict[str, Any]
     name: str
+    notes: list[str] = field(default_factory=list)
 
     @property
     def accelerator(self) -> str:
@@ -115,7 +118,8 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
         "stack": value_hash(_by_value(stack)),
         "scene": array_hash(scene),
     }
-    return Lit(stack, elements, scene, case, str(mesh_path or stack.name))
+    notes = [] if mesh is None else [mesh.note]
+    return Lit(stack, elements, scene, case, str(mesh_path or stack.name), notes)
 
 
 def _by_value(stack: Stack) -> list[Any]:

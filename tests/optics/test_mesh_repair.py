@@ -6,8 +6,8 @@ from harness import BARE, extruded, row
 from solid import BOW, OVERHANG, SMALL, SQUARE, box, drawn, turned
 
 from mpfcad.optics.solid.closed import find_fault, volume
-from mpfcad.optics.solid.mesh import weld
 from mpfcad.optics.solid.repair import describe_repair, repair_solid
+from mpfcad.optics.solid.weld import weld
 
 FILM = extruded(*row([BARE] * 2, 0.15), 0.1)
 WALLS = np.ptp(FILM[..., 1], axis=1) > 0

@@ -12,7 +12,8 @@ from mpfcad.errors import InputError
 from mpfcad.optics.solid.closed import find_fault, is_height_field
 from mpfcad.optics.solid.crossing_facet import facet_contact
 from mpfcad.optics.solid.crossing_section import extruded_section, section_contact
-from mpfcad.optics.solid.mesh import read_film_mesh, weld
+from mpfcad.optics.solid.mesh import read_film_mesh
+from mpfcad.optics.solid.weld import weld
 
 
 def fault(facets):

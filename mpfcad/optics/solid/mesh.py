@@ -1,4 +1,4 @@
-"""Reads a film mesh from an STL file and makes sure that it can be traced as a repeating tile.
+"""Reads a film mesh from a file and makes sure that it can be traced as a repeating tile.
 
 The tracer starts from the file alone. It asks for a closed, outward oriented mesh whose opposite
 sides match: then the film continues beyond its edges as copies of itself, and what happens between
@@ -6,18 +6,16 @@ lamps far from the panel's rim is traced without one. Overhangs, voids and sever
 good as one height over a flat underside.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.optics.solid.closed import at, check_solid
+from mpfcad.optics.solid.closed import at, check_solid, find_fault
+from mpfcad.optics.solid.file import read_solid
 
-_RECORD = np.dtype(
-    [("normal", "<f4", (3,)), ("vertex", "<f4", (3, 3)), ("attribute", "<u2")], align=False
-)
 #: Heights of films [mm], so that coordinates in µm or m are not taken for mm.
 _HEIGHT = (0.001, 20.0)
 
@@ -37,12 +35,15 @@ class FilmMesh:
     underside
         whether a flat underside at z = 0 closes the film over the whole tile; if not, `top` has all
         facets but the sides
+    note
+        in a line what was read, and what is doubtful of it
     """
 
     vertex: NDArray[np.float64]
     top: NDArray[np.int64]
     size: tuple[float, float, float]
     underside: bool = True
+    note: str = ""
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -53,31 +54,25 @@ class FilmMesh:
 
 
 def read_film_mesh(path: Path) -> FilmMesh:
-    """Return the film tile of a binary STL file (coordinates in mm).
+    """Return the film tile of a mesh or STEP file (coordinates in mm where it states no unit).
 
     Raises
     ------
     InputError
-        when the file is missing or no binary STL, or the mesh is open, inverted, touches itself or
-        does not repeat from side to side; the text names the place.
-    """
-    vertex, facet = read_solid(path)
-    check_solid(path, vertex, facet)
-    return film_of(path, vertex, facet)
-
-
-def read_solid(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return vertices (v, 3) [mm] and facets (n, 3) of a binary STL file, whatever they bound.
-
-    Raises
-    ------
-    InputError
-        when the file is missing or no binary STL, or a number in it is not finite.
+        when the file is missing or of no format that is read, or the mesh is open, inverted,
+        touches itself or does not repeat from side to side; the text names the place.
     """
     path = Path(path)
-    vertex, facet = weld(read_facets(path))
-    _check_finite(path, vertex)
-    return vertex, facet
+    solid = read_solid(path)
+    fault = find_fault(solid.vertex, solid.facet)
+    if fault:
+        solid = solid.last_steps_joined()
+        check_solid(path, solid.vertex, solid.facet)
+    mesh = film_of(path, solid.vertex, solid.facet)
+    note = solid.summary(path)
+    if not mesh.underside and is_flat_above(mesh):
+        note += "; the film lies upside down: its flat side is up, and is traced so"
+    return replace(mesh, note=note)
 
 
 def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
@@ -92,10 +87,10 @@ def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -
     vertex = vertex - low
     size = high - low
     if not (size > 0).all():
-        raise InputError(f"{path}: mesh: extent {tuple(size)} mm: must be a solid")
+        raise InputError(f"{path}: mesh: extent {tuple(size)} mm: expected a solid")
     if not _HEIGHT[0] <= size[2] <= _HEIGHT[1]:
         raise InputError(
-            f"{path}: mesh: {size[2]:g} mm high: must be {_HEIGHT[0]:g} to {_HEIGHT[1]:g} mm: "
+            f"{path}: mesh: {size[2]:g} mm high: expected {_HEIGHT[0]:g} to {_HEIGHT[1]:g} mm: "
             "coordinates are in mm"
         )
     whole = (float(size[0]), float(size[1]), float(size[2]))
@@ -116,57 +111,11 @@ def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -
     return FilmMesh(vertex, top, whole, underside)
 
 
-def read_facets(path: Path) -> NDArray[np.float32]:
-    """Return the facets' corners, (n, 3, 3) float32 [mm]."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
-    count = int.from_bytes(data[80:84], "little")
-    if len(data) < 84 or len(data) != 84 + count * _RECORD.itemsize:
-        if data.lstrip()[:5] == b"solid" and b"facet" in data[:1000]:
-            raise InputError(f"{path}: an STL written as text: must be a binary STL")
-        raise InputError(
-            f"{path}: not a binary STL: {len(data)} bytes for {count} facets, "
-            f"expected {84 + count * _RECORD.itemsize}"
-        )
-    if count < 4:
-        raise InputError(f"{path}: mesh: {count} facets: at least 4 make a solid")
-    return np.frombuffer(data, _RECORD, count, offset=84)["vertex"]
-
-
-def weld(corner: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return vertices (v, 3) float64 and facets (n, 3) int64; equal coordinates are one vertex.
-
-    Facets with two equal corners bound nothing and are left out: their neighbours join.
-    """
-    points = corner.reshape(-1, 3) + np.float32(0)  # -0 becomes 0
-    # Two coordinates a whole number: sorted several times faster than records.
-    bits = points.view(np.uint32)
-    number = _numbered(_numbered(bits[:, 0], bits[:, 1]), bits[:, 2])
-    vertex = np.empty((number.max() + 1, 3))
-    vertex[number] = points
-    facet = number.reshape(-1, 3)
-    collapsed = (facet == np.roll(facet, 1, axis=1)).any(axis=1)
-    return vertex, facet[~collapsed]
-
-
-def _numbered(high: NDArray[np.integer], low: NDArray[np.uint32]) -> NDArray[np.int64]:
-    """Return the rank of each pair, (n,), in the order of `high`, then of `low`."""
-    key = high.astype(np.uint64)
-    key <<= np.uint64(32)
-    key |= low
-    order = np.argsort(key)
-    key = key[order]
-    rank = np.empty(len(key), np.int64)
-    rank[order] = np.r_[0, np.cumsum(key[1:] != key[:-1])]
-    return rank
-
-
-def _check_finite(path: Path, vertex: NDArray[np.float64]) -> None:
-    bad = np.flatnonzero(~np.isfinite(vertex).all(axis=1))
-    if len(bad):
-        raise InputError(f"{path}: mesh: vertex {vertex[bad[0]]}: must be finite")
+def is_flat_above(mesh: FilmMesh) -> bool:
+    """Tell whether a film of any underside has a flat upper side over its whole tile."""
+    size = np.array(mesh.size)
+    above = mesh.top[_lies_in(mesh.vertex, mesh.top, 2, size[2])]
+    return _covers(mesh.vertex, above, size)
 
 
 def _lies_in(

@@ -164,6 +164,8 @@ def measure_case(
     again: the result is the same bit for bit.
     """
     found = {}
+    for note in case.lit.notes:
+        progress.note(note)
     for name in what:
         progress.stage(f"{case.name} in {case.lit.stack.name}: {name}")
         found[name] = _measured(case, name, measuring, progress)

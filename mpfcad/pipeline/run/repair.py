@@ -20,10 +20,13 @@ def repair_mesh(path: Path, progress: Progress) -> tuple[Path, dict[str, Any] | 
         when the mesh cannot be repaired, or something else has the repaired file's name.
     """
     from mpfcad.optics.solid.closed import find_fault
-    from mpfcad.optics.solid.mesh import film_of, read_solid, weld
+    from mpfcad.optics.solid.file import read_solid
+    from mpfcad.optics.solid.mesh import film_of
     from mpfcad.optics.solid.repair import describe_repair, repair_solid
+    from mpfcad.optics.solid.weld import weld
 
-    vertex, facet = read_solid(path)
+    solid = read_solid(path)
+    vertex, facet = solid.vertex, solid.facet
     fault = find_fault(vertex, facet)
     if fault is None:
         progress.note(f"{path}: nothing to repair")

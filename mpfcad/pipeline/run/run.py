@@ -223,11 +223,19 @@ def trace_mesh(
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     for table in backlight.tables.values():
         progress.note(table.table.summary())
+    for note in lit.notes:
+        progress.note(note)
     tables = [
         {"file": t.name, "sha256": t.sha256, "notes": list(t.table.note)}
         for t in backlight.tables.values()
     ]
-    traced: dict[str, Any] = {**film, "stack": str(stack), "tables": tables, "seed": seed}
+    traced: dict[str, Any] = {
+        **film,
+        "stack": str(stack),
+        "notes": lit.notes,
+        "tables": tables,
+        "seed": seed,
+    }
     if repaired:
         traced["repaired_from"] = repaired
     return {"schema": 1, "traced": traced, **describe_luminance(result)}

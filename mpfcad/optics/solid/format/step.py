@@ -1,0 +1,108 @@
+"""STEP, read and tessellated by Open CASCADE: a body a solid, facets within a slope."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.errors import InputError
+from mpfcad.optics.solid.format.body import Body, MeshFile
+
+#: Largest angle [rad] between the normals at the ends of a facet's edge on a curved face.
+SLOPE_TOLERANCE = np.radians(0.5)
+#: Largest distance [mm] of a chord from its curve, and the shortest chord [mm].
+_DEFLECTION, _LEAST = 1e-3, 1e-6
+#: More faces take the kernel minutes to hours.
+MOST_FACES = 20_000
+
+
+def read_step(path: Path, data: bytes) -> MeshFile:
+    """Return the solids of a STEP file as facets [mm].
+
+    Raises
+    ------
+    InputError
+        when the kernel cannot read it, it holds no solid, or more faces than can be tessellated.
+    """
+    faces = data.count(b"ADVANCED_FACE") + data.count(b"FACE_SURFACE")
+    if faces > MOST_FACES:
+        raise InputError(
+            f"{path}: STEP: {faces} faces: expected at most {MOST_FACES} to tessellate: give the "
+            "film's STL, or fewer grooves"
+        )
+    shape = _shape(path, data)
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.TopAbs import TopAbs_SOLID
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    BRepMesh_IncrementalMesh(shape, _parameters())
+    walk = TopExp_Explorer(shape, TopAbs_SOLID)
+    bodies: list[Body] = []
+    while walk.More():
+        bodies.append(_body(path, TopoDS.Solid(walk.Current()), len(bodies) + 1))
+        walk.Next()
+    if not bodies:
+        raise InputError(f"{path}: STEP: no solid in it: expected one or more")
+    kind = f"STEP, facets within {np.degrees(SLOPE_TOLERANCE):g} deg of the surface's slope"
+    return MeshFile(kind, tuple(bodies))
+
+
+def _parameters() -> Any:
+    """Return how the kernel tessellates: the slope rules, with no corners inside a face."""
+    from OCP.IMeshTools import IMeshTools_Parameters
+
+    parameters = IMeshTools_Parameters()
+    parameters.Angle = parameters.AngleInterior = float(SLOPE_TOLERANCE)
+    # The kernel's own least size is a share of the deflection, and would be wider than a groove.
+    parameters.Deflection = parameters.DeflectionInterior = _DEFLECTION
+    parameters.MinSize = _LEAST
+    parameters.InternalVerticesMode = False
+    parameters.ControlSurfaceDeflection = False
+    return parameters
+
+
+def _shape(path: Path, data: bytes) -> Any:
+    """Return the shape that the kernel reads, in mm."""
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_Reader
+
+    # By a plain name of its own: the kernel takes no path that is not in its code page.
+    handle, name = tempfile.mkstemp(suffix=".step")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        reader = STEPControl_Reader()
+        if reader.ReadFile(name) != IFSelect_RetDone or reader.TransferRoots() < 1:
+            raise InputError(f"{path}: the CAD kernel cannot read this STEP file")
+        return reader.OneShape()
+    finally:
+        Path(name).unlink()
+
+
+def _body(path: Path, solid: Any, number: int) -> Body:
+    from OCP.BRep import BRep_Tool
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+
+    corners = []
+    walk = TopExp_Explorer(solid, TopAbs_FACE)
+    while walk.More():
+        face = TopoDS.Face(walk.Current())
+        walk.Next()
+        location = TopLoc_Location()
+        mesh = BRep_Tool.Triangulation_s(face, location)
+        if mesh is None:
+            raise InputError(f"{path}: STEP: a face of solid {number} cannot be tessellated")
+        move = location.Transformation()
+        nodes = [mesh.Node(n).Transformed(move) for n in range(1, mesh.NbNodes() + 1)]
+        point = np.array([(p.X(), p.Y(), p.Z()) for p in nodes])
+        facet = np.array([mesh.Triangle(n).Get() for n in range(1, mesh.NbTriangles() + 1)]) - 1
+        if face.Orientation() == TopAbs_REVERSED:
+            facet = facet[:, ::-1]
+        corners.append(point[facet])
+    return Body(f"solid {number}", np.concatenate(corners))
