@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
@@ -20,6 +20,8 @@ class Plot:
     ----------
     name
         its id, the only one of that name in the page
+    words
+        what it shows, for who cannot see it
     height
         in pixels
     content
@@ -27,6 +29,7 @@ class Plot:
     """
 
     name: str
+    words: str
     height: int
     content: Markup
 
@@ -36,4 +39,13 @@ def plot(figure: "go.Figure", name: str) -> Plot:
     content = json.loads(figure.to_json()) | {"config": _CONFIG}
     chosen = {key: content[key] for key in ("data", "layout", "config")}
     text = json.dumps(chosen, sort_keys=True, ensure_ascii=False).replace("<", r"\u003c")
-    return Plot(name, int(figure.layout.height), Markup(text))
+    return Plot(name, _words(content), int(figure.layout.height), Markup(text))
+
+
+def _words(content: dict[str, Any]) -> str:
+    """Return titles, axes and names of the curves, each once."""
+    layout = content["layout"]
+    titles = [note.get("text", "") for note in layout.get("annotations", ())]
+    axes = [axis.get("title", {}).get("text", "") for key, axis in layout.items() if "axis" in key]
+    curves = [trace.get("name", "") for trace in content["data"]]
+    return "Plot: " + "; ".join(dict.fromkeys(filter(None, [*titles, *axes, *curves])))

@@ -1,0 +1,174 @@
+"""The report in real browsers: every plot drawn, nothing from outside, nothing cut off.
+
+The tests run in each browser that is installed (Firefox: `pytest -m slow`); `test_a_browser_is_here`
+warns where none is.
+"""
+
+import json
+import re
+import warnings
+
+import pytest
+from browser import here
+from pypdf import PdfReader
+
+from mpfcad.job import read_job
+from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job
+
+#: Phone to 4K.
+WIDTHS = (390, 768, 1200, 1920, 3840)
+A4, LETTER = (8.27, 11.69), (8.5, 11.0)
+OVERFLOWING = """
+[...document.querySelectorAll('main *')].filter(e => !e.closest('.scroll, .plot, svg, option')
+  && getComputedStyle(e).position !== 'absolute'
+  && e.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+  .map(e => e.tagName + ': ' + e.textContent.slice(0, 60))
+"""
+#: Contrast of text with what lies behind it (WCAG 2.2, 1.4.3), the least over the page.
+CONTRAST = """
+(() => {
+  const part = c => { c /= 255; return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; };
+  const light = ([r, g, b]) => 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+  const read = text => text.match(/[\\d.]+/g).map(Number);
+  const behind = e => {
+    for (; e; e = e.parentElement) {
+      const c = read(getComputedStyle(e).backgroundColor);
+      if (c.length === 3 || c[3] === 1) return c.slice(0, 3);
+    }
+    return [255, 255, 255];
+  };
+  const words = e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim());
+  return [...document.querySelectorAll('main *')]
+    .filter(e => words(e) && !e.closest('svg, .plot, script, style') && e.getClientRects().length)
+    .map(e => {
+      const [a, b] = [light(read(getComputedStyle(e).color)), light(behind(e))];
+      return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), e.textContent.slice(0, 40)];
+    }).sort((a, b) => a[0] - b[0])[0];
+})()
+"""
+
+
+@pytest.fixture(scope="module")
+def export(tmp_path_factory):
+    """An export of a narrow panel with a short trace."""
+    folder = tmp_path_factory.mktemp("browser")
+    (folder / "small.toml").write_text(
+        'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
+        "lamp_count = 5\nlamp_pitch_mm = 8.0\n"
+    )
+    job = folder / "job.toml"
+    job.write_text(
+        'name = "a-film-whose-name-is-so-long-that-a-phone-has-to-break-its-line"\n'
+        "[map]\ncurvature_per_mm = 60.0\n[cad]\nlength_mm = 0.5\n[stack]\nfile = 'small.toml'\n"
+    )
+    out = folder / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(half_width_goal=1.0, path_limit=20_000))
+        run_job(read_job(job), job, out, effort="quick", threads=1)
+    return out
+
+
+def test_a_browser_is_here():
+    if not here():
+        warnings.warn(
+            "no browser: the report's pages are not looked at; "
+            "apt-get install chromium firefox-esr",
+            stacklevel=1,
+        )
+    assert set(here()) <= {"chromium", "firefox"}
+
+
+def _params():
+    """Firefox takes twice as long to start as all tests take in Chromium."""
+    marks = {"firefox": pytest.mark.slow}
+    return [pytest.param(name, marks=marks.get(name, ())) for name in here()]
+
+
+@pytest.fixture(scope="module", params=_params())
+def browser(request):
+    found = here()[request.param]()
+    yield found
+    found.close()
+
+
+@pytest.fixture(scope="module")
+def page(browser, export):
+    browser.open((export / "report.html").as_uri())
+    return browser
+
+
+def test_every_plot_is_drawn_when_all_is_unfolded(page):
+    page.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    page.wait("[...document.querySelectorAll('.plot')].every(p => p.querySelector('svg, canvas'))")
+    assert page.run("document.querySelectorAll('.plot').length") == 3
+    assert page.errors == []
+
+
+def test_nothing_is_asked_of_a_network(page):
+    assert page.requests
+    assert {address.split(":")[0] for address in page.requests} <= {"file", "data", "about", "blob"}
+
+
+def test_figures_are_those_of_the_record(page, export):
+    record = json.loads((export / "verification.json").read_text())
+    text = page.run("document.querySelector('#decision').innerText")
+    contrast, mean = record["lamp_mura_contrast"], record["mean_luminance_cd_m2"]["value"]
+    low, high = contrast["ci95"]
+    assert record["verdict"] in text
+    for words in (
+        f"{contrast['value']:.4f} [{low:.4f}, {high:.4f}]",
+        f"{mean:.0f} cd/m²",
+        f"{record['relative_luminance'] * 100:.1f} %",
+        f"eye's threshold {record['eye']['threshold_contrast']:.4f}",
+        f"{record['plain']['lamp_mura_contrast']['value']:.4f}",
+    ):
+        assert words in text
+    shown = page.run(
+        "[...document.querySelectorAll('#gate tr')].map(row => row.lastElementChild.innerText)"
+    )
+    assert shown[1:] == [gate["outcome"] for gate in record["gates"]]
+    drawn = page.run("document.querySelector('#plot-luminance').data[2].y.length")
+    assert drawn == len(record["luminance"]["position_pitch"])
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_nothing_runs_out_of_the_page(page, width):
+    page.width(width)
+    page.run("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
+    assert page.run("document.documentElement.scrollWidth") <= width
+    assert page.run(OVERFLOWING) == []
+
+
+def test_text_stands_out_from_its_ground(browser, export):
+    for dark in (False, True):
+        browser.open((export / "report.html").as_uri(), dark=dark)
+        browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+        ratio, words = browser.run(CONTRAST)
+        assert ratio >= 4.5, words
+
+
+def test_every_picture_and_plot_has_words(page):
+    assert page.run("[...document.images].filter(i => !i.alt).length") == 0
+    assert page.run("[...document.querySelectorAll('.plot')].filter(p => !p.ariaLabel).length") == 0
+    assert page.run("document.documentElement.lang") == "en"
+    levels = page.run("[...document.querySelectorAll('h1,h2,h3')].map(h => +h.tagName[1])")
+    assert levels[0] == 1
+    assert all(b - a <= 1 for a, b in zip(levels, levels[1:], strict=False))
+
+
+@pytest.mark.parametrize("paper", [A4, LETTER])
+def test_a_printed_page_shows_the_whole_verdict(browser, export, paper):
+    browser.open((export / "report.html").as_uri())
+    (export.parent / "page.pdf").write_bytes(browser.print(*paper))
+    printed = PdfReader(export.parent / "page.pdf")
+    record = json.loads((export / "verification.json").read_text())
+    first = re.sub(r"\s+", " ", printed.pages[0].extract_text())
+    sentence = browser.run("document.querySelector('.banner p').innerText")
+    assert record["verdict"] in first
+    assert re.sub(r"\s+", "", sentence) in first.replace(" ", "")
+    everything = "".join(page.extract_text() for page in printed.pages)
+    assert record["provenance"]["sha256"]["film.stl"] in re.sub(r"\s+", "", everything)
+
+
+def test_the_page_is_small(export):
+    assert (export / "report.html").stat().st_size < 8e6
