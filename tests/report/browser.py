@@ -27,7 +27,7 @@ class Browser:
             [part.format(profile=self.profile.name) for part in command],
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
         )  # fmt: skip
-        self.errors, self.requests, self.number = [], [], 0
+        self.errors, self.requests, self.number, self.extra = [], [], 0, {}
         for line in self.process.stderr:
             found = re.search(listening + r"(ws://\S+)", line)
             if found:
@@ -57,8 +57,6 @@ class Browser:
                 assert "error" not in message, message
                 return message["result"]
             self.note(message.get("method"), message.get("params"))
-
-    extra: dict = {}
 
     def wait(self, condition):
         """Wait until a JavaScript expression holds."""

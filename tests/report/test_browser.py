@@ -1,12 +1,13 @@
 """The report in real browsers: every plot drawn, nothing from outside, nothing cut off.
 
-The tests run in each browser that is installed (Firefox: `pytest -m slow`); `test_a_browser_is_here`
-warns where none is.
+The tests run in each browser that is installed (Firefox: `pytest -m slow`).
+`test_a_browser_is_here` warns where none is.
 """
 
 import json
 import re
 import warnings
+from itertools import pairwise
 
 import pytest
 from browser import here
@@ -50,7 +51,7 @@ CONTRAST = """
 
 @pytest.fixture(scope="module")
 def export(tmp_path_factory):
-    """An export of a narrow panel with a short trace."""
+    """Make an export of a narrow panel with a short trace."""
     folder = tmp_path_factory.mktemp("browser")
     (folder / "small.toml").write_text(
         'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
@@ -153,7 +154,7 @@ def test_every_picture_and_plot_has_words(page):
     assert page.run("document.documentElement.lang") == "en"
     levels = page.run("[...document.querySelectorAll('h1,h2,h3')].map(h => +h.tagName[1])")
     assert levels[0] == 1
-    assert all(b - a <= 1 for a, b in zip(levels, levels[1:], strict=False))
+    assert all(b - a <= 1 for a, b in pairwise(levels))
 
 
 @pytest.mark.parametrize("paper", [A4, LETTER])
