@@ -7,9 +7,10 @@ import time
 
 import pytest
 
-from mpfcad import export
 from mpfcad.errors import ExportError, InputError
-from mpfcad.export import check_manifest, export_folder, write_manifest
+from mpfcad.export import canonical_json, check_manifest, export_folder, write_manifest
+from mpfcad.export import folder as export
+from mpfcad.export.manifest import _sealed
 
 
 def make(out, content="x", kind="run"):
@@ -26,7 +27,7 @@ def names(folder):
 @pytest.mark.parametrize("exchange", [True, False])
 def test_new_export_replaces_the_old_one(tmp_path, monkeypatch, exchange):
     if not exchange:
-        monkeypatch.setattr(export, "_exchange", lambda *_: False)
+        monkeypatch.setattr(export, "exchange", lambda *_: False)
     make(tmp_path / "e", "old")
     make(tmp_path / "e", "new")
     assert (tmp_path / "e" / "a.txt").read_text() == "new"
@@ -67,6 +68,7 @@ def test_killed_run_leaves_no_export_and_the_next_run_tidies(tmp_path):
 def test_export_stranded_between_two_renames_is_put_back(tmp_path):
     make(tmp_path / "e", "old")
     (tmp_path / "e").rename(tmp_path / ".e.old-123")
+    (tmp_path / ".e.old-123.lock").touch()
     with pytest.raises(ValueError, match="stop"), export_folder(tmp_path / "e", "run"):
         raise ValueError("stop")
     assert (tmp_path / "e" / "a.txt").read_text() == "old"
@@ -137,3 +139,125 @@ def test_manifest_is_the_same_at_any_time(tmp_path):
     texts = {(tmp_path / name / "manifest.json").read_text() for name in ("one", "two")}
     assert len(texts) == 1
     assert json.loads(texts.pop())["files"]["b.txt"]["bytes"] == 1
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+def test_what_the_user_has_put_there_or_edited_is_kept(tmp_path, monkeypatch, capsys, exchange):
+    if not exchange:
+        monkeypatch.setattr(export, "exchange", lambda *_: False)
+    out = tmp_path / "e"
+    make(out, "old")
+    (out / "notes.md").write_text("screen 12, Friday")
+    (out / "photos").mkdir()
+    (out / "photos" / "1.jpg").write_bytes(b"x")
+    (out / "b.txt").write_text("edited by hand")
+    (out / "link").symlink_to("a.txt")
+    make(out, "new")
+    assert (out / "a.txt").read_text() == "new" and (out / "b.txt").read_text() == "b"
+    assert (out / "notes.md").read_text() == "screen 12, Friday"
+    assert (out / "photos" / "1.jpg").is_file() and (out / "link").is_symlink()
+    assert (out / "b.txt.kept-1").read_text() == "edited by hand"
+    assert names(tmp_path) == ["e"]
+    lines = capsys.readouterr().err
+    assert "b.txt: was edited since it was made: kept as b.txt.kept-1" in lines
+    assert "notes.md: is not of the export" in lines
+    make(out, "third")
+    assert (out / "b.txt.kept-1").is_file() and (out / "notes.md").is_file()
+
+
+def test_a_file_that_the_new_export_makes_too_is_kept_under_another_name(tmp_path):
+    out = tmp_path / "e"
+    make(out)
+    (out / "c.txt").write_text("mine")
+    with export_folder(out, "run") as folder:
+        (folder / "c.txt").write_text("made")
+        write_manifest(folder, "job", "run")
+    assert (out / "c.txt").read_text() == "made"
+    assert (out / "c.txt.kept-1").read_text() == "mine"
+
+
+def test_an_edited_manifest_loses_no_file(tmp_path):
+    out = tmp_path / "e"
+    make(out, "old")
+    (out / "notes.md").write_text("mine")
+    text = (out / "manifest.json").read_text()
+    (out / "manifest.json").write_text(text.replace('"name": "job"', '"name": "jab"'))
+    make(out, "new")
+    assert names(out) == [
+        "a.txt", "b.txt", "manifest.json", "manifest.json.kept-1", "notes.md",
+    ]  # fmt: skip
+
+
+def test_files_put_into_an_export_during_the_run_are_kept(tmp_path):
+    make(tmp_path / "e")
+    with export_folder(tmp_path / "e", "run") as folder:
+        (tmp_path / "e" / "late.md").write_text("mine")
+        write_manifest(folder, "job", "run")
+    assert (tmp_path / "e" / "late.md").read_text() == "mine"
+
+
+@pytest.mark.parametrize("what", ["partial", "old"])
+def test_a_folder_that_only_looks_hidden_is_not_touched(tmp_path, what):
+    """Neither a user's folder, nor an export whose name is like that of a hidden one."""
+    theirs = [tmp_path / f".e.{what}-{end}" for end in ("7", "notes", "7-1")]
+    make(theirs[0])
+    for folder in theirs[1:]:
+        folder.mkdir()
+        (folder / "thesis.doc").write_text("precious")
+    make(tmp_path / "e")
+    assert names(theirs[0]) == ["a.txt", "b.txt", "manifest.json"]
+    assert all((folder / "thesis.doc").is_file() for folder in theirs[1:])
+
+
+def test_a_name_with_signs_of_a_pattern_takes_no_other_folder(tmp_path):
+    make(tmp_path / ".eX.partial-1")
+    (tmp_path / ".eX.partial-1.lock").touch()
+    make(tmp_path / "e[X]")
+    make(tmp_path / "e?")
+    assert (tmp_path / ".eX.partial-1" / "a.txt").is_file()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"../b.txt": None}, "expected the name of a file in the folder itself"),
+        ({"/etc/hostname": None}, "expected the name of a file in the folder itself"),
+        ({"sub/b.txt": None}, "expected the name of a file in the folder itself"),
+        ({"b.txt": "abc"}, "expected sha256 and bytes"),
+        ({"b.txt": {"sha256": "0", "bytes": 1}}, "expected 64 hex digits"),
+        ({"c.txt": None}, "c.txt: missing"),
+    ],
+)
+def test_an_entry_that_mpfcad_does_not_write_is_refused(tmp_path, change, said):
+    make(tmp_path / "e")
+    path = tmp_path / "e" / "manifest.json"
+    manifest = json.loads(path.read_text())
+    whole = manifest["files"]["b.txt"]
+    manifest["files"].update({k: whole if v is None else v for k, v in change.items()})
+    path.write_text(canonical_json(_sealed(manifest)))
+    with pytest.raises(ExportError, match=said):
+        check_manifest(tmp_path / "e")
+
+
+@pytest.mark.parametrize("text", ["", "[]", "null", "{", "[" * 100_000, '{"files": 3}', "\0" * 99])
+def test_a_malformed_manifest_is_one_line(tmp_path, text):
+    make(tmp_path / "e")
+    (tmp_path / "e" / "manifest.json").write_text(text)
+    with pytest.raises(ExportError, match=r"manifest\.json: changed"):
+        check_manifest(tmp_path / "e")
+
+
+def test_a_link_in_the_place_of_a_file_is_refused(tmp_path):
+    make(tmp_path / "e")
+    (tmp_path / "copy.txt").write_text("x")
+    (tmp_path / "e" / "a.txt").unlink()
+    (tmp_path / "e" / "a.txt").symlink_to(tmp_path / "copy.txt")
+    with pytest.raises(ExportError, match=r"a\.txt: is a link"):
+        check_manifest(tmp_path / "e")
+
+
+def test_a_name_that_is_no_utf8_stands_in_the_manifest_and_is_found_again(tmp_path):
+    with export_folder(tmp_path / "e", "run") as folder:
+        (folder / os.fsdecode(b"\xff.txt")).write_text("x")
+        write_manifest(folder, "job", "run")
+    assert len(check_manifest(tmp_path / "e")["files"]) == 1
