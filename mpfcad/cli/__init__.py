@@ -9,6 +9,7 @@ import signal
 import sys
 
 from mpfcad.cli.app import app, debug_wanted
+from mpfcad.cli.stream import end_streams, one_line, prepare_streams
 
 __all__ = ["app", "main"]
 
@@ -18,7 +19,13 @@ _TERMINATED = 128 + signal.SIGTERM
 def main() -> None:
     """Run the command line and exit with its code."""
     signal.signal(signal.SIGTERM, _stop)
-    sys.exit(run_app(sys.argv[1:]))
+    signal.signal(signal.SIGINT, _stop)
+    output = prepare_streams()
+    code = run_app(sys.argv[1:])
+    failed = end_streams(output)
+    if failed is not None:
+        code = _fail(f"standard output: {failed.strerror}: what was to be printed is lost", 3)
+    sys.exit(code)
 
 
 def run_app(arguments: list[str]) -> int:
@@ -36,7 +43,11 @@ def run_app(arguments: list[str]) -> int:
 
 
 def _stop(number: int, frame: object) -> None:
-    """End like Ctrl-C, so that what is half-written is removed."""
+    """End the work, so that what is half-written is removed; a second signal does not end that."""
+    for one in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(one, signal.SIG_IGN)
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
     raise SystemExit(128 + number)
 
 
@@ -64,5 +75,5 @@ def _stopped(how: str, code: int) -> int:
 
 
 def _fail(line: str, code: int) -> int:
-    print("mpfcad: " + " ".join(line.split()), file=sys.stderr)
+    print(f"mpfcad: {one_line(line)}", file=sys.stderr)
     return code

@@ -6,6 +6,24 @@ import sys
 from contextlib import suppress
 from typing import Any
 
+#: Longest line about an error, with its `mpfcad: `.
+LINE_LIMIT = 300
+
+
+def one_line(text: str, limit: int = LINE_LIMIT - len("mpfcad: ")) -> str:
+    """Return text on one line without control characters, its middle cut where it is too long."""
+    line = "".join(c if c.isprintable() else _escaped(c) for c in " ".join(text.split()))
+    if len(line) <= limit:
+        return line
+    tail = limit // 3
+    return f"{line[: limit - tail - 3]} … {line[-tail:]}"
+
+
+def _escaped(sign: str) -> str:
+    return (
+        sign.encode("ascii", "backslashreplace").decode() if ord(sign) > 126 else repr(sign)[1:-1]
+    )
+
 
 class Stream:
     """A text stream whose reader may go away: what is written after that is dropped.

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpfcad import compiling
+from mpfcad.cli.stream import one_line
 from mpfcad.store.notice import listeners
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ class Terminal:
         if self._live:
             self._bar.console.print(text, highlight=False, markup=False)
         else:
-            print(f"mpfcad: {text}", file=sys.stderr, flush=True)
+            print(f"mpfcad: {one_line(text)}", file=sys.stderr, flush=True)
 
     def compiling(self, name: str | None) -> None:
         """Show that the function `name` is being compiled; None: that it has been."""

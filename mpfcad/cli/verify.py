@@ -14,6 +14,7 @@ def command(
     threads: Threads = None,
 ) -> int:
     """Check every hash of an export, then trace its film again and compare bit for bit."""
+    from mpfcad.cli.stream import one_line
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.errors import ExportError
     from mpfcad.pipeline import verify_export
@@ -23,7 +24,7 @@ def command(
         with Terminal() as terminal:
             verification = verify_export(folder, threads=threads, progress=terminal)
     except ExportError as error:
-        print(f"mpfcad: {error}", file=sys.stderr)
+        print(f"mpfcad: {one_line(str(error))}", file=sys.stderr)
         return 1
     print("verified: every hash holds, and the figures come out the same bit for bit")
     print_verdict(verification, folder)
