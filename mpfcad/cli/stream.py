@@ -1,4 +1,4 @@
-"""Standard streams that a reader may close, that may be closed from the start, or know few signs."""
+"""Standard streams that a reader may close, that are closed from the start, or know few signs."""
 
 import errno
 import os
@@ -20,9 +20,9 @@ def one_line(text: str, limit: int = LINE_LIMIT - len("mpfcad: ")) -> str:
 
 
 def _escaped(sign: str) -> str:
-    return (
-        sign.encode("ascii", "backslashreplace").decode() if ord(sign) > 126 else repr(sign)[1:-1]
-    )
+    if ord(sign) < 127:
+        return repr(sign)[1:-1]
+    return sign.encode("ascii", "backslashreplace").decode()
 
 
 class Stream:
