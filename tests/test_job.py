@@ -85,7 +85,13 @@ def test_unreadable_file_is_one_line(tmp_path):
 def test_template_is_a_job_and_states_the_defaults(tmp_path):
     stated = build_job(tomllib.loads(TEMPLATE), "template")
     bare = build_job(
-        {"name": "my-film", "map": {"curvature_per_mm": 60.0}},
+        {
+            "name": "my-film",
+            "map": {"curvature_per_mm": 60.0},
+            # A new job prints through a screen; without one it would be a phototool only.
+            "mask": {"mesh": "150-31"},
+            "process": {"solids_fraction": 0.5},
+        },
         "bare",
     )
     assert stated.document() == bare.document()

@@ -23,7 +23,7 @@ def command(
     ] = False,
 ) -> int:
     """Make and check the mask files of a job."""
-    from mpfcad.cli.terminal import Terminal
+    from mpfcad.cli.terminal import Terminal, print_gates
     from mpfcad.job import read_job
     from mpfcad.pipeline import MASK_FORMATS, default_out, make_mask, read_mask_plan
 
@@ -37,7 +37,8 @@ def command(
         return 0
     folder = out or default_out(job).with_name(f"{job.name}-mask")
     with Terminal() as terminal:
-        make_mask(job, job_file, folder, chosen, terminal)
+        screen = make_mask(job, job_file, folder, chosen, terminal)
+    print_gates(screen)
     for name in chosen:
         print(folder / f"mask.{name}")
-    return 0
+    return 1 if screen["printability"] in ("FAIL", "INCONCLUSIVE") else 0

@@ -155,9 +155,9 @@ def _live_bar() -> Any:
     return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
-def print_verdict(verification: dict[str, Any], folder: Path) -> None:
-    """Print the verdict, one line a gate, and where the report is."""
-    for gate in verification["gates"]:
+def print_gates(record: dict[str, Any]) -> None:
+    """Print one line a gate, and what the printability is."""
+    for gate in record["gates"]:
         interval, value = "", f"{gate['value']:.4g}"
         if gate["ci95"] is not None:
             low, high = gate["ci95"]
@@ -167,10 +167,18 @@ def print_verdict(verification: dict[str, Any], folder: Path) -> None:
             limit += f" (marginal ≤ {gate['marginal_limit']:.6g})"
         value += interval
         print(f"{gate['outcome']:<13}{gate['name']:<40}{value:<28}{limit}")
+    if record.get("printability") is not None:
+        print(f"printability: {record['printability']}")
+
+
+def print_verdict(verification: dict[str, Any], folder: Path) -> None:
+    """Print the verdict, one line a gate, and where the report is."""
+    print_gates(verification)
     mean = verification["mean_luminance_cd_m2"]["value"]
     relative = verification["relative_luminance"]
     print(f"mean normal luminance {mean:.0f} cd/m2, {relative:.3f} of the conventional stack")
-    print(f"{verification['verdict']}: {folder / 'report.html'}")
+    note = ", phototool only" if verification.get("printability") == "phototool only" else ""
+    print(f"{verification['verdict']}{note}: {folder / 'report.html'}")
 
 
 def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:

@@ -27,8 +27,14 @@ base_um = 200.0                 # thickness below the valleys
 # measured_file = "trace.csv"   # a stylus trace in the parabola's place
 # cell = "pyramid"              # or "paraboloid": cells in both directions instead of grooves
 
-[process]                       # aperture ratio <-> fill fraction
-# calibration = "process.toml"  # replaces the built-in one (docs/process.md)
+[process]                       # aperture ratio <-> fill fraction (docs/process.md)
+solids_fraction = 0.5           # of the resin as printed; 1: no solvent
+# calibration = "process.toml"  # what `mpfcad calibrate` made of your step wedge; until then
+# model = "prior"               # mesh's volume and a published tone curve; "linear", "thesis"
+# viscosity_pa_s = 0.4          # of the resin, wet; these four replace mask.levelling_length_mm
+# surface_tension_mn_m = 30.0
+# contact_angle_deg = 10.0      # below 45, or it does not run along the grooves
+# time_to_uv_s = 10.0           # from print to UV
 
 [mask]
 pattern = "slot"                # slots across the grooves; dots: "dot" (square), "staggered",
@@ -42,12 +48,18 @@ mirror = false                  # true: as seen from the film's side
 emulsion_side = "film"          # or "squeegee"
 furniture = ["fiducial", "text", "coupon"]
 levelling_length_mm = 1.0       # over which the resin levels along a groove
+registration_um = 200.0         # by which a print may be shifted across
 # angle_deg = 22.5              # of an angled lattice
 # dot_um = 30.0                 # of a stochastic pattern; the largest that leaves the web
 # pixel_um = 363.0              # of the display, for the moiré
-# [mask.mesh]                   # of the screen (docs/mask.md): adds the mesh's own limits
-# name = "120-34"               # or threads_per_cm = 120.0 and thread_um = 34.0
-# release = 0.7                 # share of its volume that leaves it; replaces the calibration
+
+[mask.mesh]                     # of the screen (docs/mask.md); without it: phototool only
+name = "150-31"                 # or "auto"; or threads_per_cm, thread_um and, from the weaver,
+                                # opening_um, thickness_um, material = "steel"
+# catalogue = "weaver.csv"      # a table of meshes that the name is looked up in
+emulsion_um = 0.0               # over mesh
+angle_deg = 22.5                # of the threads to the grooves
+# release = 0.65                # share of its volume that leaves it; assumed when left out
 
 [cad]                           # what film.step and film.stl cover; the mask covers the panel
 extent = "pitch"                # one lamp pitch, or "panel"
@@ -67,9 +79,14 @@ preset = "thesis-32in-mpf"      # `mpfcad stacks` lists them; or file = "my-stac
 
 [stack.override]                # single values of the stack, by the names `mpfcad stacks` shows
 
-[gates]                         # lamp-Mura contrast (Lmax - Lmin)/(Lmax + Lmin)
+[gates]                         # lamp-Mura contrast (Lmax - Lmin)/(Lmax + Lmin); then the screen's
 contrast_pass = 0.012           # PASS up to here
 contrast_marginal = 0.018       # MARGINAL up to here, FAIL above
+ratio_min = 0.1                 # printable band of aperture ratios
+ratio_max = 0.85
+ripple_curvature_per_mm = 0.5   # after levelling, root mean square along the worst groove
+ripple_luminance = 0.005        # what the picture sees of it
+registration_curvature_per_mm = 1.0
 
 [trace]
 effort = "standard"             # "quick": under two minutes; "final": the narrowest interval

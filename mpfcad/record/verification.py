@@ -10,14 +10,15 @@ from typing import Any
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.mask import MaskCheck
+from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import Estimate, LuminanceResult
+from mpfcad.record.printing import PrintLimits, mask_gates, print_gates, printability
 from mpfcad.record.verdict import Gate, worst_outcome
 from mpfcad.units import deg, um
 
 SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
 #: Limits of the files and of the trace; the contrast's are the job's.
-RATIO_LIMIT = 0.001
 STEP_VOLUME_LIMIT = 1e-9
 CURVATURE_LIMIT = 0.1
 RESIN_LIMIT = 0.001
@@ -68,6 +69,8 @@ class Checks:
         resin by the masks and in the mesh; None without a mask
     is_traced_file
         whether the mesh that was traced is byte for byte the file in the export
+    printing
+        what the screen prints; None without a mask
     """
 
     mask: Mapping[str, MaskCheck]
@@ -77,6 +80,7 @@ class Checks:
     curvature_difference: float | None
     resin: ResinCheck | None
     is_traced_file: bool
+    printing: Printing | None = None
 
 
 def build_gates(
@@ -85,6 +89,7 @@ def build_gates(
     *,
     contrast_pass: float,
     contrast_marginal: float,
+    print_limits: PrintLimits,
 ) -> list[Gate]:
     """Return the gates in the order of the report; contrasts as fractions."""
     contrast = luminance.contrast
@@ -99,13 +104,10 @@ def build_gates(
             contrast_marginal,
         )
     ]
-    if checks.mask:
-        error = max(check.aperture_ratio_error_max for check in checks.mask.values())
-        gates.append(Gate("mask_aperture_ratio_error", error, RATIO_LIMIT))
-        narrow = max(_violations(check) or 0 for check in checks.mask.values())
-        gates.append(Gate("mask_rule_violations", float(narrow), 0.0))
     return [
         *gates,
+        *mask_gates(checks.mask),
+        *print_gates(checks.printing, checks.mask, print_limits),
         Gate("step_valid", float(step.valid), 1.0, at_least=True),
         Gate("step_volume_error", step.volume_error, STEP_VOLUME_LIMIT),
         Gate("mesh_watertight", float(mesh.watertight), 1.0, at_least=True),
@@ -154,6 +156,7 @@ def build_verification(
         "schema": SCHEMA,
         "name": name,
         "verdict": worst_outcome(gates),
+        "printability": printability(checks.printing, gates),
         "gates": [gate.document() for gate in gates],
         **describe_luminance(luminance),
         "eye": eye,
@@ -167,6 +170,7 @@ def build_verification(
         "mask_mesh_curvature_difference_per_mm": checks.curvature_difference,
         "resin": describe_resin(checks.resin),
         "process": process,
+        "printing": None if checks.printing is None else checks.printing.document(),
         "inputs": inputs,
         "provenance": provenance,
         "job": job,

@@ -1,9 +1,16 @@
-"""Width and space checked with klayout on sampled windows; markers of what is too narrow."""
+"""Apertures and webs that are too narrow, found with klayout on sampled windows; markers of them.
 
-from collections.abc import Callable, Iterator
+A place is wide enough where a square of the smallest size fits into what is open (or closed) and
+covers it: `region` less its opening by that square is what is too narrow. Slots are drawn groove by
+groove: where the ratio changes, their edges step, so what stands on an aperture that is wide enough
+and is thinner than an eighth of the limit (or `STEP`) is such a step and no neck. Between two
+different apertures klayout measures the distance itself, corners too. A window is looked at with a
+margin, so that its cut makes no marker.
+"""
+
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,14 +27,16 @@ WINDOW = mm / GRID
 SHARES = (0.02, 0.5, 0.98)
 #: Rounding of an edge on either side of a feature [grid steps].
 ROUNDING = 2
+#: What is thinner is an edge's step between neighbouring grooves [grid steps; share of the limit].
+STEP, STEP_SHARE = round(2 * um / GRID), 8
 
 
 @dataclass(frozen=True)
 class Violation:
-    """Something too narrow: the rule, and the corners of its two edges [grid steps]."""
+    """Something too narrow: the rule, and left, bottom, right, top of it [grid steps]."""
 
     rule: str
-    edges: tuple[int, int, int, int, int, int, int, int]
+    box: Box
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,36 +76,71 @@ def sample_windows(outline: Box, extremes: tuple[int, ...] = ()) -> tuple[Box, .
 
 def check_windows(found: FoundMask, rules: MaskRules, windows: tuple[Box, ...]) -> WindowCheck:
     """Check apertures and webs in some windows of a file."""
-    import klayout.db as kdb
-
-    limits = [("min_aperture", rules.aperture_limit), ("min_web", rules.web_limit)]
-    names, limit = zip(*limits, strict=True)
-    if found.drawn == "closed":
-        names = names[::-1]
-        limit = limit[::-1]
-    steps = [max(0, round(value / GRID) - ROUNDING) for value in limit]
-    violations, area = [], []
+    limits = [max(0, round(value / GRID) - 2 * ROUNDING)
+              for value in (rules.aperture_limit, rules.web_limit)]  # fmt: skip
+    violations: list[Violation] = []
+    area = []
     for box in windows:
-        region = found.window(box).merged()
-        clipped = (region & kdb.Region(kdb.Box(*box))).area()
-        size = (box[2] - box[0]) * (box[3] - box[1])
-        area.append(float(clipped if found.drawn == "open" else size - clipped))
-        narrow: tuple[tuple[str, Callable[[], kdb.EdgePairs]], ...] = (
-            (names[0], lambda r=region: r.width_check(steps[0])),
-            (names[1], lambda r=region: r.space_check(steps[1])),
-        )
-        for rule, check in narrow:
-            violations += [Violation(rule, edges) for edges in _edges(check())]
+        opened, drawn_area = _open_region(found, box, 2 * max(limits) + STEP)
+        area.append(drawn_area)
+        violations += find_narrow(opened, box, limits[0], limits[1])
     return WindowCheck(windows, tuple(dict.fromkeys(violations)), tuple(area))
 
 
-def _edges(pairs: "kdb.EdgePairs") -> Iterator[tuple[int, ...]]:
-    """Yield the corners of edge pairs in a fixed order."""
+def _open_region(found: FoundMask, box: Box, margin: int) -> tuple["kdb.Region", float]:
+    """Return what is open in a box and a margin around it, and its area in the box."""
+    import klayout.db as kdb
+
+    wide = kdb.Box(*box).enlarged(margin, margin)
+    drawn = found.window((wide.left, wide.bottom, wide.right, wide.top)).merged()
+    inner = kdb.Region(kdb.Box(*box))
+    if found.drawn == "open":
+        return drawn, float((drawn & inner).area())
+    panel = kdb.Region(kdb.Box(*found.outline)) & kdb.Region(wide)
+    opened = panel - drawn
+    return opened, float((opened & inner).area())
+
+
+def find_narrow(
+    opened: "kdb.Region", box: Box, aperture_limit: int, web_limit: int
+) -> list[Violation]:
+    """Return what is too narrow of open regions, and between them, in a box [grid steps]."""
+    import klayout.db as kdb
+
+    wide = kdb.Region(opened.bbox() + kdb.Box(*box).enlarged(web_limit, web_limit))
     found = []
-    for pair in pairs.each():
-        a, b = pair.first, pair.second
-        found.append((a.x1, a.y1, a.x2, a.y2, b.x1, b.y1, b.x2, b.y2))
-    yield from sorted(found)
+    narrow = {
+        "min_aperture": _too_thin(opened, aperture_limit),
+        "min_web": _too_thin(wide.sized(2 * web_limit) - opened, web_limit),
+    }
+    close = opened.isolated_check(web_limit, metrics=kdb.Metrics.Euclidian) if web_limit else []
+    inside = kdb.Box(*box)
+    for rule, region in narrow.items():
+        found += [Violation(rule, _corners(p.bbox())) for p in region.each()
+                  if p.bbox().touches(inside)]  # fmt: skip
+    if web_limit:
+        found += [Violation("min_web", _corners(pair.bbox())) for pair in close.each()
+                  if pair.bbox().touches(inside)]  # fmt: skip
+    return sorted(set(found), key=lambda violation: (violation.rule, violation.box))
+
+
+def _too_thin(region: "kdb.Region", limit: int) -> "kdb.Region":
+    """Return what no square of side `limit` covers within a region, less what is a mere step."""
+    import klayout.db as kdb
+
+    half = limit // 2
+    if half < 1:
+        return kdb.Region()
+    square = 2  # corners stay corners
+    wide = region.sized(-half, square).sized(half, square)
+    alone = region.not_interacting(wide)  # all of it is too narrow, however thin
+    left = region - wide
+    step = max(STEP, limit // STEP_SHARE) // 2
+    return (left.sized(-step, square).sized(step, square) + alone).merged()
+
+
+def _corners(box: "kdb.Box") -> Box:
+    return box.left, box.bottom, box.right, box.top
 
 
 def write_markers(path: Path, source: str, check: WindowCheck) -> None:
@@ -110,8 +154,8 @@ def write_markers(path: Path, source: str, check: WindowCheck) -> None:
     report.generator = "mpfcad"
     cell = report.create_cell("MASK")
     rules = {
-        "min_aperture": "aperture narrower than min_aperture_um",
-        "min_web": "web narrower than min_web_um",
+        "min_aperture": "aperture narrower than min_aperture_um, or than a cell of the mesh",
+        "min_web": "web narrower than min_web_um, or than a cell of the mesh",
         "window": "a window that was looked at",
     }
     category = {}
@@ -119,18 +163,10 @@ def write_markers(path: Path, source: str, check: WindowCheck) -> None:
         category[name] = report.create_category(name)
         category[name].description = description
     scale = GRID / um
-    for box in check.windows:
-        _add(report, cell, category["window"], kdb.DBox(*(np.array(box) * scale)))
-    for violation in check.violations:
-        a = np.array(violation.edges) * scale
-        pair = kdb.DEdgePair(kdb.DEdge(*a[:4]), kdb.DEdge(*a[4:]))
-        _add(report, cell, category[violation.rule], pair)
+    marked = [("window", box) for box in check.windows]
+    marked += [(violation.rule, violation.box) for violation in check.violations]
+    for name, box in marked:
+        item = report.create_item(cell.rdb_id(), category[name].rdb_id())
+        item.add_value(rdb.RdbItemValue(kdb.DBox(*(np.array(box) * scale))))
     with whole_file(path) as part:
         report.save(str(part))
-
-
-def _add(report: Any, cell: Any, category: Any, value: object) -> None:
-    import klayout.rdb as rdb
-
-    item = report.create_item(cell.rdb_id(), category.rdb_id())
-    item.add_value(rdb.RdbItemValue(value))

@@ -125,11 +125,10 @@ def draw(mask: Mask, phototool: Phototool, *, paints: bool = False) -> Drawing:
     drawing = Drawing(mask, phototool, (), (), (), inverted)
     polygons: list[Polygon] = []
     coupon: list[ApertureArray] = []
-    labels: list[Label] = []
     if "fiducial" in phototool.furniture:
         polygons += draw_fiducials(width, length)
+    letters, labels = draw_lines(drawing.lines)  # the text elements are never left out
     if "text" in phototool.furniture:
-        letters, labels = draw_lines(drawing.lines)
         polygons += letters
     if "coupon" in phototool.furniture:
         coupon, frame = draw_coupon(mask.rules, length, phototool.polarity)

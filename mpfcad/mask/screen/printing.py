@@ -30,6 +30,8 @@ class Printing:
     ----------
     mesh
         of the screen; None: phototool only
+    aperture_limit, web_limit
+        smallest that screen maker and mesh hold [mm]
     ratio_min, ratio_max
         of the grooves that are open
     release
@@ -51,6 +53,8 @@ class Printing:
     """
 
     mesh: Mesh | None
+    aperture_limit: float
+    web_limit: float
     ratio_min: float
     ratio_max: float
     release: float | None
@@ -103,6 +107,8 @@ def find_printing(
     worst = int(np.argmax(ripple))
     return Printing(
         mesh=mask.rules.mesh,
+        aperture_limit=mask.rules.aperture_limit,
+        web_limit=mask.rules.web_limit,
         ratio_min=ends[0],
         ratio_max=ends[1],
         release=None if release is None else release[0],

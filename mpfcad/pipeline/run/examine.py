@@ -15,6 +15,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
 from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
 from mpfcad.mask import Mask, MaskCheck
+from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import (
     Checkpoints,
     Lit,
@@ -26,6 +27,7 @@ from mpfcad.measure import (
 from mpfcad.pipeline.effort import TraceSetting, available_threads
 from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
 from mpfcad.pipeline.run.plain import trace_plain
@@ -62,6 +64,8 @@ class Findings:
     luminance, plain, baseline
         of this film, of its prisms without resin in the same backlight, and of the conventional
         stack with a plain BEF
+    printing
+        what the screen prints; None without a mask
     """
 
     mask: dict[str, MaskCheck]
@@ -75,6 +79,7 @@ class Findings:
     luminance: LuminanceResult
     plain: LuminanceResult
     baseline: LuminanceResult
+    printing: Printing | None = None
 
 
 def examine(
@@ -100,6 +105,9 @@ def examine(
     cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
     step, mesh = cad["step"], cad["stl"]
     wanted = None if mask is None else mask.wanted_ratio
+    printing = None
+    if mask is not None and plan.process is not None:
+        printing = plan_printing(plan.job, mask, plan.process)
     difference = _curvature_difference(plan, masks, mesh, wanted)
     resin = _check_resin(plan, masks, mesh, wanted)
     before = sha256(folder / "film.stl")
@@ -116,8 +124,9 @@ def examine(
     lit = light_baseline(plan.job.cad.angle_tolerance)
     baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     return Findings(
-        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, plain, baseline
-    )
+        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, plain, baseline,
+        printing,
+    )  # fmt: skip
 
 
 def _curvature_difference(

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mpfcad.film import Process
 from mpfcad.job import Job
-from mpfcad.mask import Mask, build_mask
+from mpfcad.mask import Mask, MaskCheck, build_mask
 from mpfcad.pipeline.plan.field import has_field, read_field_film
 from mpfcad.pipeline.plan.plan import (
     Plan,
@@ -14,13 +14,11 @@ from mpfcad.pipeline.plan.plan import (
     read_job_stack,
     read_plan,
 )
-from mpfcad.pipeline.plan.process import implied_release, read_job_process
+from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
+from mpfcad.pipeline.plan.process import read_job_process
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
-from mpfcad.units import um
-
-if TYPE_CHECKING:
-    from mpfcad.mask.screen.printing import Printing
+from mpfcad.record.printing import mask_gates, print_gates, printability
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,16 +49,18 @@ class MaskPlan:
         printing = plan_printing(self.job, self.mask, self.process)
         return describe_screen(self.mask, self.process, moire_setting(self.job.mask), printing)
 
-
-def plan_printing(job: Job, mask: Mask, process: Process) -> "Printing":
-    """Return what the screen of a job prints of its mask."""
-    from mpfcad.mask.screen.printing import find_printing
-
-    mesh = mask.rules.mesh
-    release = None
-    if mesh is not None:
-        release = implied_release(process, mesh, job.process.solids_fraction)
-    return find_printing(mask, process, job.mask.registration_um * um, release)
+    def judge(self, checks: dict[str, MaskCheck]) -> dict[str, Any]:
+        """Return the screen with its gates, from the files that were made."""
+        printing = plan_printing(self.job, self.mask, self.process)
+        gates = [
+            *mask_gates(checks),
+            *print_gates(printing, checks, job_print_limits(self.job)),
+        ]
+        return {
+            **self.describe(),
+            "printability": printability(printing, gates),
+            "gates": [gate.document() for gate in gates],
+        }
 
 
 def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:

@@ -15,6 +15,7 @@ from mpfcad.measure import describe_eye
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.plan.field import FIELD_FILE
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, describe_stack
+from mpfcad.pipeline.plan.printing import job_print_limits
 from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
 from mpfcad.record import Checks, build_gates, build_verification
@@ -49,12 +50,14 @@ def build_record(
         findings.curvature_difference,
         findings.resin,
         findings.traced_sha256 == hashes["film.stl"],
+        findings.printing,
     )
     gates = build_gates(
         checks,
         findings.luminance,
         contrast_pass=job.gates.contrast_pass,
         contrast_marginal=job.gates.contrast_marginal,
+        print_limits=job_print_limits(job),
     )
     return build_verification(
         name=job.name,

@@ -126,8 +126,10 @@ def make_mask(
     out: Path,
     formats: tuple[str, ...] | None = None,
     progress: Progress = SILENT,
-) -> None:
+) -> dict[str, Any]:
     """Make and check only the mask files of a job; `formats` None: those the job names.
+
+    Returns screen.json: what the screen is, the gates of mask and screen, `printability`.
 
     Raises
     ------
@@ -147,8 +149,10 @@ def make_mask(
         checks = check_masks(plan.mask, tool, folder, formats, progress)
         write_mask_pictures(folder, checks, plan.mask)
         progress.stage("writing screen.json")
-        write_text(folder / SCREEN, canonical_json(plan.describe()))
+        screen = plan.judge(checks)
+        write_text(folder / SCREEN, canonical_json(screen))
         write_manifest(folder, job.name, "mask")
+        return screen
 
 
 def make_cad(

@@ -18,6 +18,32 @@ GATES = {
         "Mask: apertures and webs",
         "places narrower than min_aperture_um or min_web_um in sampled windows, by klayout",
     ),
+    "screen_release": (
+        "Screen: release",
+        "resin laid down over a full area / ink volume of the mesh",
+    ),
+    "screen_ratio_min": ("Screen: smallest aperture ratio", "of the open grooves, from the file"),
+    "screen_ratio_max": ("Screen: largest aperture ratio", "of all grooves, from the file"),
+    "screen_aperture_um": (
+        "Screen: smallest aperture [µm]",
+        "from the file; limit: one cell of the mesh, and min_aperture_um",
+    ),
+    "screen_web_um": (
+        "Screen: smallest web [µm]",
+        "from the file; limit: one cell of the mesh, and min_web_um",
+    ),
+    "screen_ripple_per_mm": (
+        "Ripple after levelling [1/mm]",
+        "root mean square of the curvature along the worst groove",
+    ),
+    "screen_ripple_luminance": (
+        "Ripple after levelling: luminance",
+        "that ripple × the luminance response (docs/process.md)",
+    ),
+    "screen_registration_per_mm": (
+        "Registration [1/mm]",
+        "largest change of a groove's curvature by a shift of registration_um",
+    ),
     "step_valid": ("STEP: valid solids", "checked by OCCT after reading the file again"),
     "step_volume_error": ("STEP: volume", "max |V_{file} / V_{closed form} − 1|"),
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
@@ -71,9 +97,15 @@ _SENTENCES = {
 def verdict_sentence(record: dict[str, Any]) -> str:
     """Return what the contrast's gate decides, as a sentence."""
     gate = record["gates"][0]
-    return _SENTENCES[gate["outcome"]].format(
+    words = _SENTENCES[gate["outcome"]].format(
         limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
     )
+    if record.get("printability") == "phototool only":
+        words += (
+            " Phototool only: the job names no mesh, so nothing is said of whether a screen "
+            "prints it."
+        )
+    return words
 
 
 def gate_values(gate: dict[str, Any]) -> dict[str, Any]:
