@@ -7,13 +7,14 @@ With p the profile of a groove (tips at ±w, valley at 0):
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.sound import refuse_unknown, refuse_unsound
 
 CellShape = Literal["pyramid", "paraboloid"]
 
@@ -44,6 +45,12 @@ class CellFilm:
     count: tuple[int, int]
 
     def __post_init__(self) -> None:
+        refuse_unknown("film.cell", self.shape, get_args(CellShape))
+        refuse_unknown("film.profile", self.profile, PROFILES)
+        refuse_unsound("film.base", self.base, 0.0)
+        refuse_unsound("film.count", self.count, 1)
+        most = self.groove.curvature_most(self.profile)
+        refuse_unsound("film.curvature", self.curvature, 0.0, most)
         if self.shape == "paraboloid" and self.profile != "ideal":
             raise InputError("film: cell paraboloid: profile filled: must be 'ideal', a mould's")
         if not self.lowest > 0:

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.sound import refuse_unknown, refuse_unsound
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,11 @@ class PrismFilm:
         curvature = np.array(self.curvature, dtype=np.float64)
         curvature.flags.writeable = False
         object.__setattr__(self, "curvature", curvature)
+        refuse_unknown("film.profile", self.profile, PROFILES)
+        refuse_unsound("film.base", self.base, 0.0)
+        refuse_unsound("film.length", self.length, 0.0, above=True)
+        refuse_unsound("film.origin", self.origin)
+        refuse_unsound("film.curvature", curvature, 0.0, self.groove.curvature_most(self.profile))
 
     @property
     def groove_count(self) -> int:

@@ -17,6 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mpfcad.sound import refuse_unsound
+
 Profile = Literal["filled", "ideal"]
 PROFILES: tuple[Profile, ...] = ("filled", "ideal")
 
@@ -30,6 +32,10 @@ class Groove:
 
     pitch: float
     depth: float
+
+    def __post_init__(self) -> None:
+        refuse_unsound("groove.pitch", self.pitch, 0.0, above=True)
+        refuse_unsound("groove.depth", self.depth, 0.0, above=True)
 
     @classmethod
     def of_angle(cls, pitch: float, prism_angle: float) -> "Groove":
@@ -68,6 +74,10 @@ class Groove:
     def curvature_empty(self) -> float:
         """The C at which a filled groove holds no resin, 2 s/w [1/mm]: the printable limit."""
         return 2 * self.wall_slope / self.half_width
+
+    def curvature_most(self, profile: Profile) -> float:
+        """Return the largest C [1/mm] of a profile: that of the empty groove, or none."""
+        return self.curvature_empty * (1 + 1e-12) if profile == "filled" else math.inf
 
     def vertex_height(self, curvature: ArrayLike) -> NDArray[np.float64]:
         """Return z0 = depth - C w²/2 [mm], the height of the parabola's vertex above the valley."""

@@ -9,6 +9,7 @@ from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.solid.mesh import FilmMesh
+from mpfcad.sound import refuse_unsound
 
 #: Kinds as the kernels know them.
 CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
@@ -52,6 +53,13 @@ class Cavity:
     brdf: BsdfTable | None = None
     blend: float = 1.0
 
+    def __post_init__(self) -> None:
+        for name in ("height", "lamp_pitch", "lamp_radius"):
+            refuse_unsound(f"{self.name}.{name}", getattr(self, name), 0.0, above=True)
+        for name in ("lamp_reflectance", "reflectance", "specular_fraction", "blend"):
+            refuse_unsound(f"{self.name}.{name}", getattr(self, name), 0.0, 1.0)
+        refuse_unsound(f"{self.name}.lamp_luminance", self.lamp_luminance, 0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Slab:
@@ -82,6 +90,12 @@ class Slab:
     name: str = "plate"
     phase: NDArray[np.float64] | None = None
 
+    def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}.index", self.index, 1.0)
+        for name in ("thickness", "scattering", "absorption"):
+            refuse_unsound(f"{self.name}.{name}", getattr(self, name), 0.0)
+        refuse_unsound(f"{self.name}.asymmetry", self.asymmetry, -1.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -101,6 +115,11 @@ class Sheet:
     index: float
     transmission: float
     name: str = "sheet"
+
+    def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}.sigma", self.sigma, 0.0)
+        refuse_unsound(f"{self.name}.index", self.index, 1.0)
+        refuse_unsound(f"{self.name}.transmission", self.transmission, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +156,12 @@ class Film:
     flipped: bool = False
     resin: Resin | None = None
 
+    def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}.index", self.index, 1.0)
+        refuse_unsound(f"{self.name}.index_below", self.index_below, 1.0)
+        refuse_unsound(f"{self.name}.offset", self.offset)
+        refuse_unsound(f"{self.name}.rotation", self.rotation)
+
 
 @dataclass(frozen=True, eq=False)
 class BsdfSheet:
@@ -153,6 +178,9 @@ class BsdfSheet:
     table: BsdfTable
     blend: float = 1.0
     name: str = "bsdf"
+
+    def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}.blend", self.blend, 0.0, 1.0)
 
 
 Element = Cavity | Slab | Sheet | Film | BsdfSheet

@@ -6,13 +6,14 @@ edge. Between its rows a map is linear.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
+from mpfcad.sound import refuse_unknown, refuse_unsound
 
 Extent = Literal["pitch", "panel"]
 Repeat = Literal["repeat", "mirror"]
@@ -47,6 +48,16 @@ class CurvatureMap:
             values = np.array(getattr(self, name), dtype=np.float64)
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+        refuse_unknown("map.extent", self.extent, get_args(Extent))
+        refuse_unknown("map.repeat", self.repeat, get_args(Repeat))
+        refuse_unsound("map.position", self.position)
+        refuse_unsound("map.curvature", self.curvature, 0.0)
+        if self.position.shape != self.curvature.shape or self.position.ndim != 1:
+            raise InputError(
+                f"map: {self.position.shape} positions and {self.curvature.shape} curvatures: "
+                "expected as many, in one row"
+            )
+        refuse_unsound("map.position: step", np.diff(self.position), 0.0, above=True)
 
     @classmethod
     def uniform(cls, curvature: float) -> "CurvatureMap":

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mpfcad.film.groove import Groove, Profile
+from mpfcad.errors import InputError
+from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.sound import refuse_unknown, refuse_unsound
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,14 @@ class CurvatureField:
             values = np.array(getattr(self, name), dtype=np.float64)
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+        refuse_unsound("field.curvature", self.curvature, 0.0)
+        if self.curvature.shape != (len(self.along), len(self.across)):
+            raise InputError(
+                f"field.curvature: shape {self.curvature.shape}: expected "
+                f"({len(self.along)}, {len(self.across)}), along by across"
+            )
+        refuse_unsound("field.across: step", np.diff(self.across), 0.0, above=True)
+        refuse_unsound("field.along: step", np.diff(self.along), 0.0, above=True)
 
     def on_grooves(self, position: ArrayLike) -> NDArray[np.float64]:
         """Return the curvature [1/mm] at the nodes along of grooves at `position` mm, (n, my)."""
@@ -82,6 +92,11 @@ class FieldFilm:
     groove_count: int
     field: CurvatureField
     profile: Profile = "filled"
+
+    def __post_init__(self) -> None:
+        refuse_unknown("film.profile", self.profile, PROFILES)
+        refuse_unsound("film.length", self.length, 0.0, above=True)
+        refuse_unsound("film.groove_count", self.groove_count, 1)
 
     @property
     def width(self) -> float:

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.field.field import FieldFilm, bracket
-from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.groove import PROFILES, Groove, Profile
+from mpfcad.sound import refuse_unknown, refuse_unsound
 
 #: A curvature [1/mm] this near to where walls or resin vanish is taken to be there: parts of 6 nm.
 THRESHOLD_ROOM = 0.005
@@ -53,6 +54,10 @@ class FieldPiece:
             values = np.array(getattr(self, name), dtype=np.float64)
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+        refuse_unknown("film.profile", self.profile, PROFILES)
+        refuse_unsound("film.base", self.base, 0.0)
+        most = self.groove.curvature_most(self.profile)
+        refuse_unsound("film.curvature", self.curvature, 0.0, most)
         limit = 2 * self.thickness / self.groove.half_width**2
         top = float(self.curvature.max())
         if self.profile == "ideal" and top >= limit:

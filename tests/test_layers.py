@@ -11,10 +11,11 @@ import pytest
 import mpfcad
 
 ROOT = Path(mpfcad.__file__).parent
-FLOOR = {
+LAYER = {
     "mpfcad": 0,
     "units": 0,
     "errors": 0,
+    "sound": 0,
     "compiling": 0,
     "store": 1,
     "film": 1,
@@ -32,7 +33,7 @@ FLOOR = {
     "cli": 10,
     "api": 11,
 }
-#: Rooms that must not see each other although one of them is not above the other.
+#: Packages that must not see each other although one of them is not above the other.
 APART = {"optics": {"film", "mask", "cad"}, "mask": {"cad"}, "cad": {"mask"}}
 MODULES = sorted(
     ".".join(("mpfcad", *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__")
@@ -76,16 +77,16 @@ def imports_of(module, *, at_import):
 INNER = [module for module in MODULES if module != "mpfcad"]
 
 
-def room(module):
+def package_of(module):
     return module.split(".")[1] if "." in module else "mpfcad"
 
 
 @pytest.mark.parametrize("module", INNER)
 def test_imports_point_down(module):
-    here = room(module)
+    here = package_of(module)
     for name in imports_of(module, at_import=False):
-        there = room(name)
-        assert there == here or FLOOR[there] < FLOOR[here], f"{module} imports {name}"
+        there = package_of(name)
+        assert there == here or LAYER[there] < LAYER[here], f"{module} imports {name}"
         assert there not in APART.get(here, ()), f"{module} imports {name}"
 
 
