@@ -15,7 +15,7 @@ LAYER = {
     "mpfcad": 0,
     "units": 0,
     "errors": 0,
-    "sound": 0,
+    "sound": 0.5,
     "compiling": 0,
     "store": 1,
     "film": 1,
