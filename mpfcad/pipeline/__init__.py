@@ -13,7 +13,7 @@ from mpfcad.pipeline.measure.measure import default_measure_out, default_what, m
 from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run.make import CAD_FORMATS, MASK_FORMATS
-from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
+from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan, read_proposals
 from mpfcad.pipeline.run.mould import MouldSetting, make_mould
 from mpfcad.pipeline.run.run import default_out, make_cad, make_mask, run_job, trace_mesh
 from mpfcad.pipeline.run.verify import verify_export
@@ -47,6 +47,7 @@ __all__ = [
     "read_case",
     "read_mask_plan",
     "read_plan",
+    "read_proposals",
     "restore_plan",
     "run_design",
     "run_job",

@@ -103,7 +103,7 @@ def find_printing(
     is_open = wanted > 1e-9
     ends = (float(wanted[is_open].min()), float(wanted.max())) if is_open.any() else (0.0, 0.0)
     residual = levelling_residual(mask)
-    ripple = _ripple(process, residual.groove_ratio, residual.groove_rms)
+    ripple = curvature_ripple(process, residual.groove_ratio, residual.groove_rms)
     worst = int(np.argmax(ripple))
     return Printing(
         mesh=mask.rules.mesh,
@@ -122,7 +122,7 @@ def find_printing(
     )
 
 
-def _ripple(
+def curvature_ripple(
     process: Process, ratio: NDArray[np.float64], rms: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the curvature's error [1/mm] of each groove: dC/dfill · fill · (rms / ratio)."""

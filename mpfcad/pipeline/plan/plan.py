@@ -42,7 +42,8 @@ from mpfcad.pipeline.plan.field import (
     refuse_window,
 )
 from mpfcad.pipeline.plan.made import Drawn, draw_piece, read_measured
-from mpfcad.pipeline.plan.process import read_job_process
+from mpfcad.pipeline.plan.process import read_job_process, with_reason
+from mpfcad.pipeline.plan.propose import with_screen
 from mpfcad.pipeline.plan.screen import with_own_catalogue
 
 CURVATURE_FILE = "curvature.csv"
@@ -155,7 +156,6 @@ def read_plan(job: Job, job_file: Path) -> Plan:
     _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration)
     groove = job.film.groove
-    process = read_job_process(job, calibration, groove, str(job_file))
     count = groove_count(stack.panel_width, groove.pitch)
     curvature: FieldFilm | NDArray[np.float64]
     if has_field(job, job_file):
@@ -168,6 +168,9 @@ def read_plan(job: Job, job_file: Path) -> Plan:
             stack.origin[0],
         )
         curvature = _as_written(curvature, groove)
+    job, reason = with_screen(job, job_file, curvature, groove)
+    process = read_job_process(job, calibration, groove, str(job_file))
+    process = with_reason(process, reason)
     text = calibration.read_text("utf-8") if calibration else None
     plan = _build_plan(job, stack, process, curvature, read_measured(job, job_file), str(job_file))
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})

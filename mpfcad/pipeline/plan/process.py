@@ -53,6 +53,13 @@ def read_job_process(
     return process
 
 
+def with_reason(process: Process | None, reason: str | None) -> Process | None:
+    """Return a process with the reason why its screen was chosen among its caveats."""
+    if process is None or reason is None:
+        return process
+    return replace(process, caveats=(*process.caveats, f"chosen by the program: {reason}"))
+
+
 def _refuse_release(job: Job, calibration: Path | None, where: str) -> None:
     release = None if job.mask.mesh is None else job.mask.mesh.release
     if release is not None:

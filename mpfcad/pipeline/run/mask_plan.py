@@ -15,7 +15,8 @@ from mpfcad.pipeline.plan.plan import (
     read_plan,
 )
 from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
-from mpfcad.pipeline.plan.process import read_job_process
+from mpfcad.pipeline.plan.process import read_job_process, with_reason
+from mpfcad.pipeline.plan.propose import Proposal, film_curvature, propose, with_screen
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
 from mpfcad.record.printing import mask_gates, print_gates, printability
@@ -77,7 +78,33 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
         return _read_field(job, job_file)
     refuse_unprintable(job, str(job_file))
     plan = read_plan(job, job_file)
-    return MaskPlan(job, plan_mask(plan), plan.process, plan)
+    return MaskPlan(plan.job, plan_mask(plan), plan.process, plan)
+
+
+def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
+    """Return the screens that print a job's map, best first; its own mesh does not matter.
+
+    Raises
+    ------
+    InputError
+        when the job is wrong, or no mesh prints any of the map.
+    """
+    refuse_unprintable(job, str(job_file))
+    bare = job.model_copy(update={"mask": job.mask.model_copy(update={"mesh": None})})
+    thesis = bare.process.model_copy(update={"model": None, "solids_fraction": 1.0})
+    bare = bare.model_copy(update={"process": thesis})
+    if has_field(job, job_file):
+        stack = read_job_stack(job, job_file)
+        count = groove_count(stack.panel_width, job.film.groove.pitch)
+        assert job.map.file is not None  # a map of both directions is a file
+        map_file = job_file.parent / job.map.file
+        film: Any = read_field_film(bare, map_file, str(job_file), count, stack)
+    else:
+        film = read_plan(bare, job_file).panel.curvature
+    if job.process.model == "thesis":
+        process = job.process.model_copy(update={"model": "prior"})
+        job = job.model_copy(update={"process": process})
+    return propose(job, job_file, film_curvature(film), job.film.groove)
 
 
 def _read_field(job: Job, job_file: Path) -> MaskPlan:
@@ -89,7 +116,8 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     film = read_field_film(job, map_file, str(job_file), count, stack)
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
-    process = read_job_process(job, calibration, groove, str(job_file))
+    job, reason = with_screen(job, job_file, film, groove)
+    process = with_reason(read_job_process(job, calibration, groove, str(job_file)), reason)
     assert process is not None  # refuse_unprintable saw to that
     mask = build_mask(film, process, job_rules(job, film, process), job.name)
     return MaskPlan(job, mask, process, None)

@@ -64,6 +64,7 @@ def run_job(
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    job = plan.job
     if plan.field_film is not None:
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
@@ -140,6 +141,7 @@ def make_mask(
     """
     progress.stage(f"reading {job_file}")
     plan = read_mask_plan(job, job_file)
+    job = plan.job
     with export_folder(out, "mask") as folder:
         if plan.plan is not None:
             write_curvature(plan.plan, folder)

@@ -1,0 +1,85 @@
+"""`mpfcad mask --propose` and `mask.mesh = "auto"`."""
+
+import json
+
+import numpy as np
+import pytest
+
+from mpfcad.cli import run_app
+from mpfcad.mask.pattern.levelling import levelling_residual
+from mpfcad.mask.screen.slot_ripple import slot_ripple
+
+PANEL = "[stack.override]\npanel_width_mm = 34.0\npanel_length_mm = 60.0\nlamp_count = 1\n"
+
+
+def job(folder, map_table, rest):
+    text = f'schema = 1\nname = "job"\n[map]\n{map_table}\n{rest}\n{PANEL}'
+    (folder / "job.toml").write_text(text, "utf-8")
+
+
+@pytest.fixture
+def patterned(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = [[0.0, 46.0], [16.0, 66.0], [34.0, 46.0]]
+    return lambda rest: job(tmp_path, f'rows = {rows}\nextent = "panel"', rest)
+
+
+def test_proposals_are_a_table_best_first(patterned, capsys):
+    patterned("")
+    assert run_app(["mask", "job.toml", "--propose", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["proposals"]
+    assert len(rows) >= 8
+    margins = [row["margin"] for row in rows]
+    assert all(b <= a + 0.05 for a, b in zip(margins, margins[1:], strict=False))
+    best = rows[0]
+    assert best["margin"] > 1.2
+    assert 0.1 < best["aperture_ratio"][0] < best["aperture_ratio"][1] < 0.85
+    assert run_app(["mask", "job.toml", "--propose"]) == 0
+    assert best["mesh"] in capsys.readouterr().out.splitlines()[2]
+
+
+def test_auto_takes_the_best_says_why_and_its_screen_passes(patterned, tmp_path, capsys):
+    patterned('[mask]\nmesh = "auto"')
+    assert run_app(["mask", "job.toml", "--propose", "--json"]) == 0
+    best = json.loads(capsys.readouterr().out)["proposals"][0]
+    assert run_app(["mask", "job.toml", "--format", "oas", "--out", "out"]) == 0
+    screen = json.loads((tmp_path / "out" / "screen.json").read_text("utf-8"))
+    assert screen["printability"] == "PASS"
+    assert screen["mesh"]["threads_per_cm"] == pytest.approx(float(best["mesh"].split("-")[0]))
+    # The panel holds a whole number of periods.
+    assert screen["period_um"] == pytest.approx(best["period_um"], rel=0.01)
+    assert f"mesh {best['mesh']}, period {best['period_um']:g} µm" in str(screen["process"])
+    found = screen["printing"]["ripple_curvature_per_mm"]
+    assert found == pytest.approx(best["ripple_curvature_per_mm"], abs=2e-3)
+
+
+def test_a_map_that_no_mesh_prints_names_grooves_and_the_nearest_one(patterned, tmp_path, capsys):
+    job(tmp_path, "curvature_per_mm = 77.0", '[mask]\nmesh = "auto"')
+    assert run_app(["mask", "job.toml", "--plan"]) == 2
+    line = capsys.readouterr().err
+    for words in ("map: grooves 0-679", "no mesh of the catalogue prints", "nearest map it prints"):
+        assert words in line
+
+
+def test_a_weaver_s_table_is_what_is_proposed_from(patterned, tmp_path, capsys):
+    header = "name,material,threads_per_cm,thread_um,opening_um,thickness_um,source\n"
+    (tmp_path / "weaver.csv").write_text(header + "325-16,steel,128,16,62,34,sheet\n", "utf-8")
+    patterned('[mask.mesh]\nname = "auto"\ncatalogue = "weaver.csv"\n')
+    assert run_app(["mask", "job.toml", "--propose", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["proposals"]
+    assert [row["mesh"] for row in rows] == ["325-16"]
+
+
+def test_the_ripple_s_closed_form_is_that_of_the_mask():
+    from mpfcad.film import Groove, PrismFilm, read_process
+    from mpfcad.mask import MaskRules, build_mask
+
+    groove = Groove(0.050, 0.025)
+    process = read_process(None, groove)
+    for period, length in ((1.0, 1.0), (2.0, 1.0), (2.0, 0.4)):
+        rules = MaskRules("slot", period, 0.015, 0.015, levelling_length=length)
+        film = PrismFilm(groove, 0.2, 200.0, "filled", np.full(4, 55.0))
+        mask = build_mask(film, process, rules, "job")
+        found = levelling_residual(mask)
+        wanted = slot_ripple(found.groove_ratio[0], mask.period, length)
+        assert found.groove_rms[0] == pytest.approx(float(wanted), rel=0.03)
