@@ -1,6 +1,7 @@
 """`mpfcad mask --propose` and `mask.mesh = "auto"`."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ def test_proposals_are_a_table_best_first(patterned, capsys):
     rows = json.loads(capsys.readouterr().out)["proposals"]
     assert len(rows) >= 8
     margins = [row["margin"] for row in rows]
-    assert all(b <= a + 0.05 for a, b in zip(margins, margins[1:], strict=False))
+    assert all(b <= a + 0.05 for a, b in pairwise(margins))
     best = rows[0]
     assert best["margin"] > 1.2
     assert 0.1 < best["aperture_ratio"][0] < best["aperture_ratio"][1] < 0.85

@@ -1,6 +1,6 @@
 """The screen as a design variable: mesh, period, solids and angle that print a map, in a table.
 
-Every mesh of the catalogue is tried with every solids fraction. The period is the shortest one whose
+Every mesh of the catalogue is tried with every solids fraction. The period is the shortest whose
 slots and webs are cells of the mesh with a little to spare. A screen's *margin* is the least of its
 figures over their limits: 1 is just printable, and the largest margin is the best screen.
 """
