@@ -40,11 +40,14 @@ class MapTable(Table):
 
 
 class CadTable(Table):
-    """`[cad]`: extent and bodies of the CAD files, the facets' angle, the height map's points."""
+    """`[cad]`: extent, bodies and header of the CAD files, facets' angle, height map's points."""
 
     extent: Literal["pitch", "panel"] = "pitch"
     bodies: Literal["separate", "fused"] = "separate"
     stl: Literal["whole", "tiles"] = "whole"
+    step_protocol: Literal["ap214", "ap242"] = "ap214"
+    author: Annotated[str, Field(max_length=200)] = ""
+    organisation: Annotated[str, Field(max_length=200)] = ""
     length_mm: Annotated[Positive, Field(le=2000)] = 2.0
     angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] = 0.5
     width_mm: Annotated[Positive, Field(le=2000)] | None = None

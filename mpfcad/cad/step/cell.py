@@ -7,6 +7,7 @@ diagonal's plane. A dish is one biquadratic patch. Edges and corners are shared 
 import math
 from pathlib import Path
 
+from mpfcad.cad.step.file import PLAIN, Header
 from mpfcad.cad.step.outline import SOLID_SLIVER
 from mpfcad.cad.step.patch_solid import PatchSolid, Place
 from mpfcad.errors import InputError
@@ -18,7 +19,9 @@ MOST_CELLS = 20_000
 FLAT = 1e-6
 
 
-def write_cell_step(film: CellFilm, path: Path, *, name: str = "film") -> None:
+def write_cell_step(
+    film: CellFilm, path: Path, *, name: str = "film", header: Header = PLAIN
+) -> None:
     """Write the film as one solid `film` in mm; same film, same bytes.
 
     Raises
@@ -33,7 +36,7 @@ def write_cell_step(film: CellFilm, path: Path, *, name: str = "film") -> None:
         raise InputError(
             f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: must have cells"
         )
-    solid = PatchSolid()
+    solid = PatchSolid(header)
     draw = _draw_pyramid if film.shape == "pyramid" else _draw_dish
     for i in range(film.count[0]):
         for j in range(film.count[1]):

@@ -1,10 +1,9 @@
 """Bodies of a STEP file: cross-sections drawn along y, put together from shared corners and edges.
 
 No CAD kernel is needed: faces are planes and parabolas extruded along y, and each corner and edge
-is made once, for all bodies. Kernels write a face of N edges in N² and read it in N³ time, so
-whoever draws a long body gives it several caps. The direction in which a face follows its edges is
-chosen so that a cap and the sides refer to the same ORIENTED_EDGE: the caps' bounds are stated
-reversed (FACE_BOUND .F.).
+is made once for a solid. Kernels write a face of N edges in N² and read it in N³ time, so whoever
+draws a long body gives it several caps. Each ORIENTED_EDGE stands in one loop, and no solid refers
+to another's corners, edges or faces: some kernels take both for faults.
 """
 
 import math
@@ -25,17 +24,6 @@ class Parabola:
     curvature: float
 
 
-class _Edge:
-    """An edge of the file, and the references by which faces follow it."""
-
-    __slots__ = ("backward", "entity", "forward")
-
-    def __init__(self, entity: str) -> None:
-        self.entity = entity
-        self.forward: str | None = None
-        self.backward: str | None = None
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Point:
     """A corner of the cross-section: its two ends and the edge along y between them."""
@@ -44,7 +32,7 @@ class Point:
     z: float
     near: str
     far: str
-    along: _Edge
+    along: str
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,8 +44,8 @@ class Line:
 
     start: Point
     end: Point
-    near: _Edge
-    far: _Edge
+    near: str
+    far: str
     surface: str
 
 
@@ -68,7 +56,7 @@ Step = tuple[Line, bool]
 class Extrusion:
     """Bodies, one after another; their outlines run counter-clockwise (x right, z up).
 
-    A corner or piece that is asked for again is the same again, in another body too.
+    A corner or piece that is asked for again within a solid is the same again.
     """
 
     def __init__(self, file: StepFile, length: float) -> None:
@@ -121,7 +109,7 @@ class Extrusion:
             self._use(line.near, not forward),
             self._use(start.along, True),
         )
-        self._face(loop, True, line.surface, not forward)
+        self._face(loop, line.surface, not forward)
 
     def cap(self, outline: list[Step]) -> None:
         """Add the two faces, at y = 0 and y = length, within a closed outline."""
@@ -130,15 +118,17 @@ class Extrusion:
             normal = self.file.direction(0, toward, 0)
             plane = self.file.plane(self.file.point(0, y, 0), normal, across)
             if y == 0.0:
-                loop = [self._use(line.near, not forward) for line, forward in outline[::-1]]
+                loop = [self._use(line.near, forward) for line, forward in outline]
             else:
-                loop = [self._use(line.far, forward) for line, forward in outline]
-            self._face(loop, False, plane, True)
+                loop = [self._use(line.far, not forward) for line, forward in outline[::-1]]
+            self._face(loop, plane, True)
 
     def solid(self, name: str) -> str:
-        """Return the body of all faces added since the last one."""
+        """Return the solid of all faces added since the last one; the next has its own corners."""
         shell = self.file.add(f"CLOSED_SHELL('',({','.join(self._faces)}))")
         self._faces = []
+        self._points.clear()
+        self._lines.clear()
         return self.file.add(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
 
     def slab(self, name: str, blocks: Iterable[list[Line]], underside: float) -> str:
@@ -188,21 +178,14 @@ class Extrusion:
         # Focal length f of z = x²/(4f).
         return file.share("PARABOLA", axes, real(1 / (2 * parabola.curvature)))
 
-    def _edge(self, start: str, end: str, curve: str) -> _Edge:
-        return _Edge(self.file.add(f"EDGE_CURVE('',{start},{end},{curve},.T.)"))
+    def _edge(self, start: str, end: str, curve: str) -> str:
+        return self.file.add(f"EDGE_CURVE('',{start},{end},{curve},.T.)")
 
-    def _use(self, edge: _Edge, forward: bool) -> str:
-        found = edge.forward if forward else edge.backward
-        if found is None:
-            found = self.file.add(f"ORIENTED_EDGE('',*,*,{edge.entity},{_SENSE[forward]})")
-            if forward:
-                edge.forward = found
-            else:
-                edge.backward = found
-        return found
+    def _use(self, edge: str, forward: bool) -> str:
+        return self.file.add(f"ORIENTED_EDGE('',*,*,{edge},{_SENSE[forward]})")
 
-    def _face(self, loop: Sequence[str], sense: bool, surface: str, up: bool) -> None:
+    def _face(self, loop: Sequence[str], surface: str, up: bool) -> None:
         file = self.file
         edges = file.add(f"EDGE_LOOP('',({','.join(loop)}))")
-        bound = file.add(f"FACE_BOUND('',{edges},{_SENSE[sense]})")
+        bound = file.add(f"FACE_OUTER_BOUND('',{edges},.T.)")
         self._faces.append(file.add(f"ADVANCED_FACE('',({bound}),{surface},{_SENSE[up]})"))

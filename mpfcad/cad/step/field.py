@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.step.file import real
+from mpfcad.cad.step.file import PLAIN, Header, real
 from mpfcad.cad.step.patch_solid import PatchSolid, Place
 from mpfcad.errors import InputError
 from mpfcad.film import FieldPiece
@@ -49,7 +49,9 @@ class _Bend:
             self.ends = ((self.centre - contact, y, z), (self.centre + contact, y, z))
 
 
-def write_field_step(film: FieldPiece, path: Path, *, name: str = "film") -> None:
+def write_field_step(
+    film: FieldPiece, path: Path, *, name: str = "film", header: Header = PLAIN
+) -> None:
     """Write the piece as one solid `film` in mm; same film, same bytes.
 
     Raises
@@ -69,7 +71,7 @@ def write_field_step(film: FieldPiece, path: Path, *, name: str = "film") -> Non
             f"{MOST_PATCHES}: {math.floor(width * length * MOST_PATCHES / count)} mm² of this map "
             "fit"
         )
-    solid = PatchSolid()
+    solid = PatchSolid(header)
     near = [rows[0], *(a + b for a, b in pairwise(rows)), rows[-1]]
     tip = film.tip_position
     lines = [

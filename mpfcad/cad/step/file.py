@@ -3,7 +3,9 @@
 A point, direction, line or plane that is asked for again is the same entity again.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 #: Decimals of a coordinate [mm]: all that a double has at x = 400 mm.
 DECIMALS = 13
@@ -20,14 +22,42 @@ def real(value: float) -> str:
 
 
 def text(value: str) -> str:
-    """Return a string as STEP writes it, in ASCII."""
-    return "'" + value.encode("ascii", "replace").decode().replace("'", "''") + "'"
+    r"""Return a string as STEP writes it: what is not ASCII as \X2\ and \X4\ codes."""
+    written = []
+    for character in value.replace("\\", "\\\\").replace("'", "''"):
+        code = ord(character)
+        if 32 <= code < 127:
+            written.append(character)
+        else:
+            written.append(f"\\X2\\{code:04X}\\X0\\" if code < 2**16 else f"\\X4\\{code:08X}\\X0\\")
+    return "'" + "".join(written) + "'"
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a STEP file says of itself.
+
+    Attributes
+    ----------
+    protocol
+        application protocol: `ap214` (ISO 10303-214) or `ap242` (ISO 10303-242)
+    author, organisation
+        as the job names them; empty where it does not
+    """
+
+    protocol: Literal["ap214", "ap242"] = "ap214"
+    author: str = ""
+    organisation: str = ""
+
+
+PLAIN = Header()
 
 
 class StepFile:
     """Entities in the order they were added; each is known by its reference, such as `#17`."""
 
-    def __init__(self) -> None:
+    def __init__(self, header: Header = PLAIN) -> None:
+        self.header = header
         self._entities: list[str] = []
         self._known: dict[tuple[object, ...], str] = {}
 
@@ -84,7 +114,8 @@ class StepFile:
         """
         head = (
             "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('Multi-performance film; unit mm; x across,"
-            f" y along, z up'),'2;1');\nFILE_NAME({text(name)},'{TIMESTAMP}',(''),(''),'mpfcad',"
+            f" y along, z up'),'2;1');\nFILE_NAME({text(name)},'{TIMESTAMP}',"
+            f"({text(self.header.author)}),({text(self.header.organisation)}),'mpfcad',"
             f"'mpfcad','');\nFILE_SCHEMA(('{schema}'));\nENDSEC;\nDATA;\n"
         )
         part = path.with_name("." + path.name + ".part")

@@ -1,10 +1,10 @@
-"""Write the film as a STEP file (AP214) in mm: `BEF` and `fill`, or one body `film`."""
+"""Write the film as a STEP file in mm: `BEF` and `fill`, or one body `film`."""
 
 from pathlib import Path
 
-from mpfcad.cad.step.file import StepFile
+from mpfcad.cad.step.file import PLAIN, Header, StepFile
 from mpfcad.cad.step.outline import check_drawable
-from mpfcad.cad.step.product import SCHEMA, Products
+from mpfcad.cad.step.product import Products
 from mpfcad.cad.step.solid import Bodies, draw_bodies
 from mpfcad.film import PrismFilm
 
@@ -13,7 +13,12 @@ COLOURS = {"BEF": (0.62, 0.74, 0.86), "fill": (0.96, 0.72, 0.26), "film": (0.62,
 
 
 def write_step(
-    film: PrismFilm, path: Path, *, name: str = "film", bodies: Bodies = "separate"
+    film: PrismFilm,
+    path: Path,
+    *,
+    name: str = "film",
+    bodies: Bodies = "separate",
+    header: Header = PLAIN,
 ) -> None:
     """Write the film with exact parabolas; same film and name, same bytes.
 
@@ -27,9 +32,9 @@ def write_step(
     """
     check_drawable(film)
     path = Path(path)
-    file = StepFile()
+    file = StepFile(header)
     products = Products(file)
     drawn = draw_bodies(file, film, bodies)
     parts = {body: products.part(body, solids, COLOURS[body]) for body, solids in drawn.items()}
     products.assembly(name, parts)
-    file.write(path, name, SCHEMA)
+    products.write(path, name)

@@ -6,8 +6,8 @@ Corners are known by their places and edges by their corners, so neighbouring fa
 import math
 from pathlib import Path
 
-from mpfcad.cad.step.file import StepFile, real
-from mpfcad.cad.step.product import SCHEMA, Products
+from mpfcad.cad.step.file import PLAIN, Header, StepFile, real
+from mpfcad.cad.step.product import Products
 from mpfcad.cad.step.section import FILM_COLOUR
 
 Place = tuple[float, float, float]
@@ -16,12 +16,11 @@ Place = tuple[float, float, float]
 class PatchSolid:
     """Corners, edges and faces of one solid; each is made once."""
 
-    def __init__(self) -> None:
-        self.file = StepFile()
+    def __init__(self, header: Header = PLAIN) -> None:
+        self.file = StepFile(header)
         self.products = Products(self.file)
         self.corners: dict[Place, str] = {}
         self.edges: dict[tuple[Place, Place], str] = {}
-        self.uses: dict[tuple[str, bool], str] = {}
         self.faces: list[str] = []
 
     def corner(self, place: Place) -> str:
@@ -60,11 +59,10 @@ class PatchSolid:
         """Add the face with these corners, anticlockwise from outside; new edges are straight."""
         loop = []
         for start, end in zip(places, places[1:] + places[:1], strict=True):
-            use = self.edge(start, end)
-            if use not in self.uses:
-                sense = ".T." if use[1] else ".F."
-                self.uses[use] = self.file.add(f"ORIENTED_EDGE('',*,*,{use[0]},{sense})")
-            loop.append(self.uses[use])
+            edge, forward = self.edge(start, end)
+            # One of its own for each loop: stricter kernels than OCCT take one in two for a fault.
+            sense = ".T." if forward else ".F."
+            loop.append(self.file.add(f"ORIENTED_EDGE('',*,*,{edge},{sense})"))
         ring = self.file.add(f"EDGE_LOOP('',({','.join(loop)}))")
         bound = self.file.add(f"FACE_OUTER_BOUND('',{ring},.T.)")
         sense = ".T." if outward else ".F."
@@ -81,4 +79,4 @@ class PatchSolid:
         shell = self.file.add(f"CLOSED_SHELL('',({','.join(self.faces)}))")
         body = self.file.add(f"MANIFOLD_SOLID_BREP('film',{shell})")
         self.products.assembly(name, {"film": self.products.part("film", [body], FILM_COLOUR)})
-        self.file.write(Path(path), name, SCHEMA)
+        self.products.write(Path(path), name)

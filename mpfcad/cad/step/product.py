@@ -1,9 +1,21 @@
 """Products, assembly and colours of a STEP file: what makes solids into named, coloured parts."""
 
+from pathlib import Path
+
 from mpfcad.cad.step.file import StepFile, text
 
-#: Product structure as AP214 (ISO 10303-214) has it.
-SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
+#: Schema, application, name of the protocol and its year, as each protocol has them. What is
+#: written is in both.
+PROTOCOL = {
+    "ap214": (
+        "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }",
+        "core data for automotive mechanical design processes", "automotive_design", 2000,
+    ),
+    "ap242": (
+        "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }",
+        "managed model based 3d engineering", "ap242_managed_model_based_3d_engineering", 2013,
+    ),
+}  # fmt: skip
 #: The distance [mm] below which readers shall take two corners for one.
 UNCERTAINTY = "1.E-07"
 #: A body's colour: red, green, blue; 0…1.
@@ -15,11 +27,10 @@ class Products:
 
     def __init__(self, file: StepFile) -> None:
         self.file = file
-        self.application = file.add(
-            "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
-        )
+        _, what, protocol, year = PROTOCOL[file.header.protocol]
+        self.application = file.add(f"APPLICATION_CONTEXT('{what}')")
         file.add(
-            "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,"
+            f"APPLICATION_PROTOCOL_DEFINITION('international standard','{protocol}',{year},"
             f"{self.application})"
         )
         self.context = self._context()
@@ -50,6 +61,10 @@ class Products:
                 "SHAPE_REPRESENTATION_RELATIONSHIP())"
             )
             file.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape_of_use})")
+
+    def write(self, path: Path, name: str) -> None:
+        """Write the file in the schema of its protocol."""
+        self.file.write(path, name, PROTOCOL[self.file.header.protocol][0])
 
     def _context(self) -> str:
         add = self.file.add

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from mpfcad.cad.step.extrusion import Extrusion, Line, Point
-from mpfcad.cad.step.file import StepFile, real
-from mpfcad.cad.step.product import SCHEMA, Colour, Products
+from mpfcad.cad.step.file import PLAIN, Header, StepFile, real
+from mpfcad.cad.step.product import Colour, Products
 from mpfcad.film import Section
 from mpfcad.film.section import ARC, LINE
 
@@ -48,15 +48,21 @@ class _Drawing(Extrusion):
 
 
 def write_section_step(
-    section: Section, path: Path, *, name: str, body: str, colour: Colour
+    section: Section,
+    path: Path,
+    *,
+    name: str,
+    body: str,
+    colour: Colour,
+    header: Header = PLAIN,
 ) -> None:
     """Write one solid `body` in mm, exact; same section and names, same bytes."""
     path = Path(path)
-    file = StepFile()
+    file = StepFile(header)
     products = Products(file)
     solid = _draw(file, section, body)
     products.assembly(name, {body: products.part(body, [solid], colour)})
-    file.write(path, name, SCHEMA)
+    products.write(path, name)
 
 
 def _draw(file: StepFile, section: Section, body: str) -> str:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Protocol
 
 from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
+from mpfcad.cad.step.file import Header
 from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PrismFilm
 from mpfcad.job import CadTable
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
@@ -37,6 +38,11 @@ def drawing_of(film: Drawn, table: CadTable) -> Drawing:
     return _Made(film, table) if isinstance(film, MadeFilm) else _Cells(film, table)
 
 
+def step_header(table: CadTable) -> Header:
+    """Return what the job's STEP files say of themselves."""
+    return Header(table.step_protocol, table.author, table.organisation)
+
+
 class _Exact:
     """Films whose STEP states surfaces that `check_agreement` knows."""
 
@@ -57,12 +63,13 @@ class _Designed(_Exact):
 
     def __init__(self, film: PrismFilm, table: CadTable) -> None:
         self.film, self.bodies, self.angle = film, table.bodies, table.angle_tolerance
+        self.header = step_header(table)
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
 
         if path.suffix == ".step":
-            write_step(self.film, path, name=name, bodies=self.bodies)
+            write_step(self.film, path, name=name, bodies=self.bodies, header=self.header)
         else:
             write = {".stl": write_stl, ".3mf": write_3mf, ".ply": write_ply}[path.suffix]
             write(self.film, path, self.angle, name=name)
@@ -87,6 +94,7 @@ class _Made(_Exact):
         from mpfcad.cad.shape.mesh import mesh_sliver
 
         self.made, self.angle = made, table.angle_tolerance
+        self.header = step_header(table)
         self.sliver = mesh_sliver(made.film)
 
     def write(self, path: Path, name: str) -> None:
@@ -96,8 +104,9 @@ class _Made(_Exact):
 
         if path.suffix == ".step":
             section_step.write_section_step(
-                self.made.section(), path, name=name, body="film", colour=section_step.FILM_COLOUR
-            )
+                self.made.section(), path, name=name, body="film",
+                colour=section_step.FILM_COLOUR, header=self.header,
+            )  # fmt: skip
         else:
             mesh = section_mesh.build_section_mesh(self.made.section(self.sliver), self.angle)
             stl.write_mesh(mesh, path, name)
@@ -119,6 +128,7 @@ class _Cells(_Exact):
 
     def __init__(self, film: CellFilm, table: CadTable) -> None:
         self.film, self.angle = film, table.angle_tolerance
+        self.header = step_header(table)
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
@@ -126,7 +136,7 @@ class _Cells(_Exact):
         from mpfcad.cad.step import cell as cell_step
 
         if path.suffix == ".step":
-            cell_step.write_cell_step(self.film, path, name=name)
+            cell_step.write_cell_step(self.film, path, name=name, header=self.header)
         else:
             stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
 
@@ -146,6 +156,7 @@ class _Field:
 
     def __init__(self, film: FieldPiece, table: CadTable) -> None:
         self.film, self.angle = film, table.angle_tolerance
+        self.header = step_header(table)
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
@@ -153,7 +164,7 @@ class _Field:
         from mpfcad.cad.step import field as field_step
 
         if path.suffix == ".step":
-            field_step.write_field_step(self.film, path, name=name)
+            field_step.write_field_step(self.film, path, name=name, header=self.header)
         else:
             stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
 

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from mpfcad.cad.shape.mould import Mould
+from mpfcad.cad.step.file import Header
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm
 from mpfcad.job import Job
+from mpfcad.pipeline.plan.drawing import step_header
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_curvature
@@ -57,7 +59,8 @@ def make_mould(
     with export_folder(out, "mould") as folder:
         write_curvature(plan, folder)
         mould = _build(made, setting)
-        volume = _write_solids(made, mould, setting, folder, tolerance, progress)
+        header = step_header(job.cad)
+        volume = _write_solids(made, mould, setting, folder, tolerance, progress, header)
         _write_drawings(mould, folder, tolerance, progress)
         _write_losses(mould, folder / "tool-loss.csv")
         record = _record(job, made, mould, setting, volume)
@@ -100,6 +103,7 @@ def _write_solids(
     folder: Path,
     tolerance: float,
     progress: Progress,
+    header: Header,
 ) -> dict[str, float]:
     """Write mould.step and mould.stl; return the volumes [mm³] read back from them."""
     from mpfcad.cad.check import section as section_check
@@ -110,7 +114,9 @@ def _write_solids(
 
     progress.stage("writing mould.step")
     path, colour = folder / "mould.step", section_step.MOULD_COLOUR
-    section_step.write_section_step(mould.section, path, name="mould", body="mould", colour=colour)
+    section_step.write_section_step(
+        mould.section, path, name="mould", body="mould", colour=colour, header=header
+    )
     volume = {
         "mould.step": section_check.check_section_step(path, mould.section, "mould").bodies["mould"]
     }
