@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.bsdf.table import BsdfTable
+from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.solid.mesh import FilmMesh
@@ -183,4 +184,4 @@ class BsdfSheet:
         refuse_unsound(f"{self.name}.blend", self.blend, 0.0, 1.0)
 
 
-Element = Cavity | Slab | Sheet | Film | BsdfSheet
+Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet

@@ -81,7 +81,7 @@ def _refill(scene, source, seed, stream, first, started, slots, count, wave):
 
 
 @kernel
-def _pass_queue(scene, e, rays, wave, flow):
+def pass_queue(scene, e, rays, wave, flow):
     """Follow the rays that wait before element e through it, the first ones eight at a time."""
     eight = 0
     if scene.kind[e] == FILM:
@@ -139,7 +139,7 @@ def _pass_film(tile, film, rays, wave):
 
 
 @kernel
-def _go_on(scene, e, slot, wave, flow):
+def go_on(scene, e, slot, wave, flow):
     """Move a ray that has left element e before the next; return whether its path goes on."""
     way = wave.way[slot]
     if way == 0:
@@ -191,10 +191,10 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
         for i in range(waiting):
             rays[i] = wave.queue[e, i]
         wave.length[e] = 0
-        _pass_queue(scene, e, rays, wave, flow)
+        pass_queue(scene, e, rays, wave, flow)
         for i in range(waiting):
             slot = uint64(rays[i])
-            if _go_on(scene, e, slot, wave, flow):
+            if go_on(scene, e, slot, wave, flow):
                 continue
             radiance[wave.path[slot]] = wave.radiance[slot]
             freed[free] = slot

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from mpfcad.errors import TraceError
 from mpfcad.optics import sheet, slab
 from mpfcad.optics.bsdf.table import BsdfTable
-from mpfcad.optics.cavity import endless
+from mpfcad.optics.cavity import board, endless
+from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.element import (
     BSDF,
     CAVITY,
@@ -31,7 +32,7 @@ from mpfcad.optics.element import (
 from mpfcad.optics.film import passage as film
 
 #: Columns of a row: as many as the kind with most of them needs.
-COLUMNS = 12
+COLUMNS = 14
 
 
 class Rows:
@@ -105,6 +106,24 @@ def _cavity_columns(cavity: Cavity, shared: Shared) -> Mapping[int, float]:
     }
 
 
+def _board_columns(placed: Board, shared: Shared) -> Mapping[int, float]:
+    return {
+        endless.HEIGHT: placed.height,
+        endless.REFLECTANCE: placed.reflectance,
+        endless.SPECULAR_FRACTION: placed.specular_fraction,
+        endless.BRDF: shared.bsdf_row(placed.brdf, placed.blend),
+        board.PERIOD_ACROSS: placed.period[0],
+        board.PERIOD_ALONG: placed.period[1],
+        board.LED_WIDTH: placed.led_size[0],
+        board.LED_LENGTH: placed.led_size[1],
+        board.LED_HEIGHT: placed.led_height,
+        board.LED_REFLECTANCE: placed.led_reflectance,
+        board.LED_FLUX: placed.led_flux,
+        board.HOLE_RADIUS: placed.hole_radius,
+        board.HOLE_REFLECTANCE: placed.hole_reflectance,
+    }
+
+
 def _slab_columns(plate: Slab, shared: Shared) -> Mapping[int, float]:
     return {
         slab.INDEX: plate.index,
@@ -154,6 +173,7 @@ def _bsdf_columns(thin: BsdfSheet, shared: Shared) -> Mapping[int, float]:
 
 _LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
     Cavity: (CAVITY, _cavity_columns),
+    Board: (CAVITY, _board_columns),
     Slab: (SLAB, _slab_columns),
     Sheet: (SHEET, _sheet_columns),
     Film: (FILM, _film_columns),

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError, TraceError
 from mpfcad.optics.base.phase import phase_table
 from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
+from mpfcad.optics.cavity.board import Board
+from mpfcad.optics.cavity.emission import Emission, EmissionArrays
 from mpfcad.optics.cavity.finite import NO_WALL
 from mpfcad.optics.element import FILM, Cavity, Element, Film, Slab
 from mpfcad.optics.film.passage import TILE
@@ -33,7 +35,7 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 12) float64, each element's values in the columns that its kernel names (`lowering`)
+        (e, 14) float64, each element's values in the columns that its kernel names (`lowering`)
     tiles
         the tiles of the films and of the prisms under scattering resin
     phase
@@ -42,6 +44,8 @@ class Scene(NamedTuple):
         the tables of all BSDF elements
     wall, lamp
         (7,) and (l, 3) float64, a finite panel's (`Panel.arrays`); without end: no lamps
+    led, emission
+        (l, 4) float64, a board's (`Board.array`), and how its LEDs emit; no board: no LEDs
     length
         [mm] along y over which the stack repeats, and a meter averages unless told otherwise
     below, above
@@ -55,6 +59,8 @@ class Scene(NamedTuple):
     bsdf: BsdfArrays
     wall: NDArray[np.float64]
     lamp: NDArray[np.float64]
+    led: NDArray[np.float64]
+    emission: EmissionArrays
     length: float
     below: float
     above: float
@@ -85,6 +91,9 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
         kind[i], parameter[i] = lower_element(element, shared)
     panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
     wall, lamp = panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
+    board = elements[0] if elements and isinstance(elements[0], Board) else None
+    led = board.array() if board else np.zeros((0, 4))
+    emission = board.emission.arrays() if board else Emission.none()
     length = max((_extent_along(e) for e in elements if isinstance(e, Film)), default=1.0)
     if panel:
         length = min(length, _MOST_ALONG)
@@ -93,12 +102,12 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     tables = shared.bsdfs.entries
     bsdf = build_bsdf([t for t, _ in tables], [blend for _, blend in tables])
     sky = float(below), float(above)
-    return Scene(kind, parameter, table, phase, bsdf, wall, lamp, length, *sky)
+    return Scene(kind, parameter, table, phase, bsdf, wall, lamp, led, emission, length, *sky)
 
 
 def _check_order(elements: list[Element]) -> None:
     for i, element in enumerate(elements):
-        if isinstance(element, Cavity) and i > 0:
+        if isinstance(element, Cavity | Board) and i > 0:
             raise TraceError("the cavity must be the lowest element")
         hanging = isinstance(element, Film) and not element.mesh.underside
         if isinstance(element, Film) and hanging and (element.index_below != 1 or element.resin):

@@ -6,6 +6,7 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_WALLS
 from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.bsdf.passage import bsdf_passage
+from mpfcad.optics.cavity.board_passage import over_board
 from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
 from mpfcad.optics.cavity.endless import (
     BRDF,
@@ -46,6 +47,8 @@ def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     """
     if lamp == NO_LAMP:
         z = scene.parameter[0, HEIGHT]
+    if len(scene.led) > 0:
+        return over_board(scene, x, y, z, dx, dy, dz, weight, flow, rng)
     return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng)
 
 

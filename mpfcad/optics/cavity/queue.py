@@ -13,7 +13,7 @@ def pass_cavity_queue(scene, rays, wave, flow):
     These are put first: what does not start on a lamp, under an endless row of tubes over a
     reflector that is no table.
     """
-    if len(scene.lamp) > 0 or scene.parameter[0, BRDF] >= 0.0:
+    if len(scene.led) > 0 or len(scene.lamp) > 0 or scene.parameter[0, BRDF] >= 0.0:
         return 0
     count = 0
     for i in range(len(rays)):

@@ -1,0 +1,171 @@
+"""Paths from the LEDs of a cell, followed as in `optics.engine`, scored at the topmost sheet."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit, uint64
+from numpy.typing import NDArray
+
+from mpfcad.errors import TraceError
+from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.net import NET
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.base.sampling import start_net_path
+from mpfcad.optics.cavity.board import led_start
+from mpfcad.optics.element import SHEET
+from mpfcad.optics.engine import go_on, pass_queue
+from mpfcad.optics.forward.connection import TERMS, CellMeter, score_at, turned_into
+from mpfcad.optics.scene import Scene
+from mpfcad.optics.sheet import SIGMA
+from mpfcad.optics.wave import Wave, enqueue, longest_queue
+
+#: Paths of one block: whole nets.
+BLOCK = 8 * NET
+_STREAM = 31
+
+
+class CellTally(NamedTuple):
+    """Sums over blocks of paths; memory does not grow with them.
+
+    Attributes
+    ----------
+    score
+        (TERMS² + bins²,) float64, sums of what `score_at` adds
+    outer
+        (TERMS², TERMS²) float64, sum over the blocks of the products of their coefficients
+    square
+        (bins²,) float64, sum of the squares of the blocks' map
+    flow, flow2
+        (f,) float64, as of `recorder.Tally`
+    paths, blocks
+        how many
+    """
+
+    score: NDArray[np.float64]
+    outer: NDArray[np.float64]
+    square: NDArray[np.float64]
+    flow: NDArray[np.float64]
+    flow2: NDArray[np.float64]
+    paths: int
+    blocks: int
+
+    @classmethod
+    def empty(cls, meter: CellMeter, flows: int) -> "CellTally":
+        """Return the tally of no paths."""
+        n, m = TERMS * TERMS, meter.bins * meter.bins
+        sizes = (n + m, (n, n), m, flows, flows)
+        return cls(*(np.zeros(size) for size in sizes), 0, 0)
+
+
+def can_connect(scene: Scene) -> bool:
+    """Return whether the topmost element is a sheet that scatters, over a board of LEDs."""
+    last = len(scene.kind) - 1
+    scatters = scene.kind[last] == SHEET and scene.parameter[last, SIGMA] > 0.0
+    return bool(scatters and len(scene.led) > 0)
+
+
+@kernel
+def _begin(scene, seed, path, slot, wave):
+    """Put a new path into a slot and before the cavity."""
+    rng = wave.rng[slot]
+    start_net_path(rng, seed, uint64(_STREAM), path, uint64(1))
+    x, y, z, dx, dy, dz, led = led_start(scene, rng)
+    place = wave.place[slot]
+    place[0], place[1], place[2], place[3], place[4], place[5] = x, y, z, dx, dy, dz
+    wave.weight[slot] = 1.0
+    wave.radiance[slot] = 0.0
+    wave.upward[slot] = 1
+    wave.lamp[slot] = led
+    enqueue(wave, 0, slot)
+
+
+@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
+    """Follow `count` paths from `first` on; score and flow get their sums; the rest is scratch."""
+    freed = wave.freed
+    started, free = 0, min(len(freed), count)
+    for slot in range(free):
+        freed[slot] = slot
+    last = len(scene.kind) - 1
+    while True:
+        for i in range(min(free, count - started)):
+            _begin(scene, seed, first + uint64(started + i), freed[i], wave)
+        started += min(free, count - started)
+        free = 0
+        e, waiting = longest_queue(wave)
+        if waiting == 0:
+            return
+        rays = wave.batch[:waiting]
+        for i in range(waiting):
+            rays[i] = wave.queue[e, i]
+        wave.length[e] = 0
+        if e == last:
+            for slot in rays:
+                if wave.upward[slot] != 0:
+                    p = wave.place[slot]
+                    value = wave.weight[slot] * turned_into(
+                        scene.parameter[e], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
+                    )
+                    score_at(meter, score, terms, p[0], p[1], value)
+        pass_queue(scene, e, rays, wave, flow)
+        for i in range(waiting):
+            slot = uint64(rays[i])
+            if not go_on(scene, e, slot, wave, flow):
+                freed[free] = slot
+                free += 1
+
+
+def trace_forward(
+    scene: Scene,
+    meter: CellMeter,
+    blocks: int,
+    *,
+    seed: int = 1,
+    first: int = 0,
+    threads: int = 1,
+    after_block: Callable[[], None] | None = None,
+) -> CellTally:
+    """Return the tally of `blocks` blocks of paths from block `first` on.
+
+    The same blocks give the same bits at any number of threads.
+
+    Raises
+    ------
+    TraceError
+        when there is no sheet on top to connect from.
+    """
+    if not can_connect(scene):
+        raise TraceError("forward trace: expected LEDs below and a scattering sheet on top")
+    flows = len(FLOWS) + len(scene.kind)
+    terms_squared = TERMS * TERMS
+
+    def one(block: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        score, flow = np.zeros(meter.size), np.zeros(flows)
+        trace_cell(
+            scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
+            Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), score, flow,
+        )  # fmt: skip
+        return score, flow
+
+    total = CellTally.empty(meter, flows)
+    paths = 0
+    with ThreadPoolExecutor(threads) as pool:
+        jobs = [pool.submit(one, block) for block in range(first, first + blocks)]
+        try:
+            for job in jobs:
+                score, flow = job.result()
+                part = score[:terms_squared]
+                total.score[:] += score
+                total.outer[:] += np.outer(part, part)
+                total.square[:] += score[terms_squared:] ** 2
+                total.flow[:] += flow
+                total.flow2[:] += flow**2
+                paths += BLOCK
+                if after_block:
+                    after_block()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return total._replace(paths=paths, blocks=blocks)
