@@ -1,5 +1,6 @@
 """What the layers and numbers of a stack must be together."""
 
+from mpfcad.backlight.source import LedSpec
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 
@@ -14,8 +15,9 @@ def check_layers(where: str, stack: Stack) -> None:
     """
     layers = stack.layers
     slots = [layer for layer in layers if stack.is_slot(layer)]
-    # A table may stand in the film's place.
-    if len(slots) != 1 and (slots or not stack.table_layers):
+    # A table may stand in the film's place; over LEDs a stack may have no film of the job's.
+    may_lack = stack.table_layers or stack.spec.kind == LedSpec.kind
+    if len(slots) != 1 and (slots or not may_lack):
         raise InputError(
             f"{where}: layers: {len(slots)} films for the job's film: must be exactly one; more "
             "films have a kind and a file"

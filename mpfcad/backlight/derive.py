@@ -23,6 +23,9 @@ def derive(where: str, stack: Stack) -> Stack:
             key = f"{name}.{value}"
             if key not in quantity:
                 quantity[key] = _default(where, key, default, quantity)
+    for key, (_, default) in stack.spec.optional.items():
+        if key not in quantity:
+            quantity[key] = _default(where, key, default, quantity)
     if stack.extent == "panel":
         for key, base in (
             *stack.spec.defaults.items(),

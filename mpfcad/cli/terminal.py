@@ -186,11 +186,16 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     if as_json:
         print(json.dumps(figures, indent=1, ensure_ascii=False))
         return
-    curve = figures["luminance"]
-    print("position_pitch  luminance_cd_m2  standard_error_cd_m2")
-    for row in zip(*curve.values(), strict=True):
-        print(f"{row[0]:14.5f}  {row[1]:15.2f}  {row[2]:20.2f}")
-    for name in ("lamp_mura_contrast", "mean_luminance_cd_m2"):
+    names = ["lamp_mura_contrast", "mean_luminance_cd_m2"]
+    if "cell" in figures:
+        across, along = (figures["cell"][f"{axis}_mm"] for axis in ("across", "along"))
+        print(f"cell {across:g} × {along:g} mm, {figures['paths'] / 1e6:.1f} M paths from the LEDs")
+        names += ["luminance_above_led_cd_m2", "sigma_over_mean"]
+    else:
+        print("position_pitch  luminance_cd_m2  standard_error_cd_m2")
+        for row in zip(*figures["luminance"].values(), strict=True):
+            print(f"{row[0]:14.5f}  {row[1]:15.2f}  {row[2]:20.2f}")
+    for name in names:
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
     print(f"accelerator {figures['accelerator'] or 'none: no mesh'}")

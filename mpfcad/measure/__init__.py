@@ -9,6 +9,7 @@ until their figures are known well enough: `luminance_over_pitch` with the lamp-
 from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_luminance
 from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.camera import CameraResult, camera_image
+from mpfcad.measure.cell.luminance import CellResult, luminance_over_cell
 from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.contrast.contrast import contrast_of_harmonics
 from mpfcad.measure.contrast.fit import fit_harmonics
@@ -19,13 +20,16 @@ from mpfcad.measure.flux import FluxResult, output_flux
 from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
-from mpfcad.measure.uniformity import UniformityResult, screen_uniformity
+from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, UniformityResult, screen_uniformity
 
 __all__ = [
+    "METERS",
     "POINTS",
+    "SCREEN_POINTS",
     "AngularCurve",
     "AngularResult",
     "CameraResult",
+    "CellResult",
     "Checkpoints",
     "ConoscopeResult",
     "Estimate",
@@ -45,6 +49,7 @@ __all__ = [
     "fit_harmonics",
     "harmonic_amplitude",
     "light_film",
+    "luminance_over_cell",
     "luminance_over_pitch",
     "output_flux",
     "panel_luminance",

@@ -90,6 +90,11 @@ class Lit:
         return self.scene.accelerators
 
     @property
+    def is_cell(self) -> bool:
+        """Whether what lights it repeats along y too: LEDs."""
+        return self.stack.period.along > 0
+
+    @property
     def is_finite(self) -> bool:
         """Whether the panel has edges; else everything repeats sideways without end."""
         return self.stack.extent == "panel"
@@ -164,7 +169,7 @@ def trace_rounds(
                 break
         more = max(-(-_LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
         state = TraceState(tally.total_paths, limit, error, goal, figure, start)
-        watch = _Watch(run.progress, state, points * BLOCK)
+        watch = Watch(run.progress, state, points * BLOCK)
         tally = tally + trace(
             lit.scene, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
             after_block=watch.block if run.progress else None,
@@ -184,7 +189,7 @@ def relative_error(tally: "Tally") -> float:
     return float(np.sqrt(np.mean(tally.radiance_error**2)) / np.mean(tally.radiance))
 
 
-class _Watch:
+class Watch:
     """Tells a watcher of each block within a round."""
 
     def __init__(
@@ -197,6 +202,7 @@ class _Watch:
         self._state = state._replace(expected=expected)
 
     def block(self) -> None:
+        """Count one more block."""
         paths = self._state.paths + self._block
         self._state = self._state._replace(paths=paths, expected=max(paths, self._state.expected))
         if self._progress is not None:

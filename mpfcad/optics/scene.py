@@ -95,6 +95,8 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     led = board.array() if board else np.zeros((0, 4))
     emission = board.emission.arrays() if board else Emission.none()
     length = max((_extent_along(e) for e in elements if isinstance(e, Film)), default=1.0)
+    if board:
+        length = board.period[1]
     if panel:
         length = min(length, _MOST_ALONG)
     table = build_tile_table([build_tile(mesh, way) for mesh, way in shared.tiles.entries])

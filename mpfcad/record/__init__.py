@@ -4,6 +4,7 @@
 values; `describe_…` does the same for single measures. Nothing here draws or writes a page.
 """
 
+from mpfcad.record.cell import describe_cell
 from mpfcad.record.measurement import (
     MEASUREMENT_SCHEMA,
     describe_angular,
@@ -39,6 +40,7 @@ __all__ = [
     "build_verification",
     "describe_angular",
     "describe_camera",
+    "describe_cell",
     "describe_conoscope",
     "describe_contrast",
     "describe_estimate",

@@ -8,12 +8,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from mpfcad.backlight.source.board import LedBoard
+from mpfcad.backlight.source.led import LedSpec
 from mpfcad.backlight.source.protocol import Emitters, LightSource, Period, SourceSpec
 from mpfcad.backlight.source.tube import TubeRow, TubeSpec
 from mpfcad.errors import InputError
 
 __all__ = [
     "Emitters",
+    "LedBoard",
+    "LedSpec",
     "LightSource",
     "Period",
     "SourceSpec",
@@ -25,7 +29,7 @@ __all__ = [
 
 
 #: Kinds by the name that a stack file gives them.
-SPECS: Mapping[str, type[SourceSpec]] = {TubeSpec.kind: TubeSpec}
+SPECS: Mapping[str, type[SourceSpec]] = {TubeSpec.kind: TubeSpec, LedSpec.kind: LedSpec}
 
 
 def read_spec(where: str, folder: Path, entry: object) -> SourceSpec:

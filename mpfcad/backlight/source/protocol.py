@@ -108,9 +108,13 @@ class SourceSpec(Protocol):
         values that such a stack must have; on a finite panel besides: lowest and highest
     defaults
         value that a missing one of `panel_ranges` takes, by the name of another
+    optional
+        values that may be left out: their range, and the number or the name of the value that they
+        then have
     """
 
     kind: ClassVar[str]
+    optional: ClassVar[Mapping[str, tuple[Range, str | float]]]
     ranges: ClassVar[Mapping[str, Range]]
     panel_ranges: ClassVar[Mapping[str, Range]]
     defaults: ClassVar[Mapping[str, str]]
@@ -124,10 +128,10 @@ class SourceSpec(Protocol):
         """Return the spec that `describe` has described."""
 
     def find_range(self, key: str) -> Range | None:
-        """Return the range of a value that one emitter has; None for no such value."""
+        """Return the range of another value that a source may have; None for no such value."""
 
     def numbered(self, keys: Mapping[str, Any]) -> list[str]:
-        """Return the names among `keys` of values that one emitter has, in order."""
+        """Return the names among `keys` of such values, in order."""
 
     def patterns(self) -> list[str]:
         """Return how such names are made, for messages."""

@@ -47,7 +47,7 @@ def contrast_of_harmonics(
     ends = curve.max(axis=1), curve.min(axis=1)
     level = np.zeros_like(fit.coefficient)
     level[0] = fit.coefficient[0]
-    return _unbiased(reader.contrast, fit.coefficient, level, shape, ends, noise)
+    return unbiased(reader.contrast, fit.coefficient, level, shape, ends, noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class _Reader:
         """
         pair = coefficient[:, 1:].reshape(len(coefficient), -1, 2)
         power = np.einsum("nhk,nhk->nh", pair, pair) / self.variance
-        kept = np.repeat(1 - _mean_share(power), 2, axis=1)
+        kept = np.repeat(1 - mean_share(power), 2, axis=1)
         shrunk = (coefficient[:, 1:] * kept) @ self.at[:, 1:].T
         return self.at[[shrunk.argmax(axis=1), shrunk.argmin(axis=1)]]
 
@@ -98,7 +98,7 @@ def _plausible_shapes(
         pair = slice(first, first + 2)
         seen = fit.coefficient[pair]
         power = seen @ np.linalg.solve(fit.covariance[pair, pair], seen)
-        shape[:, pair] = _plausible(seen, power, noise[:, pair], rng)
+        shape[:, pair] = plausible(seen, power, noise[:, pair], rng)
     return shape
 
 
@@ -123,13 +123,13 @@ def contrast_of_points(
     ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
     noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
     power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
-    shapes = _plausible(shape, power, other, rng)
+    shapes = plausible(shape, power, other, rng)
     ends = shapes.max(axis=1), shapes.min(axis=1)
     level = np.full(len(luminance), luminance.mean())
-    return _unbiased(_contrast, luminance, level, shapes, ends, noise)
+    return unbiased(_contrast, luminance, level, shapes, ends, noise)
 
 
-def _plausible(
+def plausible(
     read: NDArray[np.float64], power: float, noise: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Return true values that noisy ones may stand for, (draws, m).
@@ -150,14 +150,14 @@ def _plausible(
     return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
 
 
-def _mean_share(power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean of κ of `_plausible` for pairs of such a power."""
+def mean_share(power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean of κ of `plausible` for pairs of such a power."""
     s = np.maximum(power / 2, 1e-3)
     left = np.exp(-s)
     return (2 - (s * s + 2 * s + 2) * left) / (s * (1 - (1 + s) * left))
 
 
-def _unbiased(
+def unbiased(
     read: Callable[[NDArray[np.float64]], NDArray[np.float64]],
     seen: NDArray[np.float64],
     level: NDArray[np.float64],

@@ -55,8 +55,16 @@ class CellTally(NamedTuple):
     def empty(cls, meter: CellMeter, flows: int) -> "CellTally":
         """Return the tally of no paths."""
         n, m = TERMS * TERMS, meter.bins * meter.bins
-        sizes = (n + m, (n, n), m, flows, flows)
-        return cls(*(np.zeros(size) for size in sizes), 0, 0)
+        flow = np.zeros(flows), np.zeros(flows)
+        return cls(np.zeros(n + m), np.zeros((n, n)), np.zeros(m), *flow, 0, 0)
+
+    def plus(self, other: "CellTally") -> "CellTally":
+        """Return the tally of both."""
+        return CellTally(
+            self.score + other.score, self.outer + other.outer, self.square + other.square,
+            self.flow + other.flow, self.flow2 + other.flow2,
+            self.paths + other.paths, self.blocks + other.blocks,
+        )  # fmt: skip
 
 
 def can_connect(scene: Scene) -> bool:

@@ -19,6 +19,8 @@ from mpfcad.store import Store, work_key
 DEFAULT_STACK = "thesis-32in-mpf"
 #: What can be measured, in the order of the page.
 WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel")
+#: Of them what is measured under LEDs.
+CELL_WHAT = ("contrast", "angular", "conoscope", "flux")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +99,11 @@ def _plain_case(stack: Stack) -> Case:
     from mpfcad.job.model import CadTable
     from mpfcad.pipeline.run.examine import baseline_film
 
+    if not stack.has_slot:
+        return Case("no film", "none", light_film(stack, None))
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack.period.across), mesh, CadTable().angle_tolerance)
+        write_stl(baseline_film(stack), mesh, CadTable().angle_tolerance)
         return Case("BEF", "plain BEF", light_film(stack, mesh))
 
 
@@ -187,10 +191,12 @@ def _measured(case: Case, name: str, measuring: Measuring, progress: Progress) -
 
 
 def _contrast(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
-    from mpfcad.measure import luminance_over_pitch
-    from mpfcad.record import describe_contrast
+    from mpfcad.measure import luminance_over_cell, luminance_over_pitch
+    from mpfcad.record import describe_cell, describe_contrast
 
     goal = TRACE_SETTINGS[effort].half_width_goal
+    if lit.is_cell:
+        return describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), run.seed)
     return describe_contrast(luminance_over_pitch(lit, run, half_width_goal=goal), run.seed)
 
 

@@ -3,9 +3,17 @@
 from pathlib import Path
 from typing import Any
 
+from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.measure import Lit
-from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, baseline_case, measure_case
+from mpfcad.pipeline.measure.case import (
+    CELL_WHAT,
+    WHAT,
+    Case,
+    Measuring,
+    baseline_case,
+    measure_case,
+)
 from mpfcad.pipeline.progress import SILENT, Progress
 
 MEASURE_FILE = "measure.json"
@@ -26,6 +34,8 @@ def default_measure_out(case: Case) -> Path:
 
 def default_what(case: Case) -> tuple[str, ...]:
     """Return everything that can be measured on a case."""
+    if case.lit.is_cell:
+        return CELL_WHAT
     return WHAT if case.lit.is_finite else tuple(name for name in WHAT if name != "panel")
 
 
@@ -38,11 +48,16 @@ def measure_film(
     ------
     InputError
         when `out` is something else than an older measurement, or `panel` is asked of a stack
-        that repeats without end.
+        that repeats without end, or what is not measured under LEDs.
     """
     from mpfcad.measure import check_finite
     from mpfcad.report import write_measure_page, write_pictures
 
+    wrong = [name for name in what if name not in CELL_WHAT]
+    if case.lit.is_cell and wrong:
+        raise InputError(
+            f"--what: {wrong[0]}: not measured under LEDs: expected {', '.join(CELL_WHAT)}"
+        )
     if "panel" in what:
         check_finite(case.lit)
     with export_folder(out, "measure") as folder:
@@ -66,7 +81,7 @@ def measurement(
     record = {"schema": 1, "name": case.name, "traced": describe_case(case, measuring)}
     record |= {"screen": screen(case.lit), **found}
     compared = tuple(name for name in _COMPARED if name in what)
-    if not compared:
+    if not compared or case.lit.is_cell:
         return record
     base = measure_case(baseline_case(), compared, measuring, progress)
     record["baseline"] = {"stack": "thesis-32in-conventional", "film": "BEF", **base}

@@ -153,6 +153,11 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         if name is not None
     }
     stack = read_job_stack(job, job_file)
+    if stack.period.along > 0:
+        raise InputError(
+            f"{job_file}: stack: {stack.name}: LEDs light it: jobs are made for tubes so far: "
+            "expected a stack of tubes; mpfcad trace and measure take films under LEDs"
+        )
     _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration)
     groove = job.film.groove

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import read_stack
+from mpfcad.backlight import Stack, read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
 from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
@@ -198,15 +198,15 @@ def light_baseline(angle_tolerance: float) -> Lit:
     stack = read_stack(BASELINE_PRESET)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack.period.across), mesh, angle_tolerance)
+        write_stl(baseline_film(stack), mesh, angle_tolerance)
         return light_film(stack, mesh)
 
 
-def baseline_film(lamp_pitch: float) -> PrismFilm:
-    """Return the plain BEF of the thesis over one lamp pitch [mm]."""
+def baseline_film(stack: Stack) -> PrismFilm:
+    """Return the plain BEF of the thesis over one lamp pitch, or one groove under LEDs."""
     from mpfcad.pipeline.plan.plan import groove_count
 
     groove = Groove(0.050, 0.025)
-    count = groove_count(lamp_pitch, groove.pitch)
+    count = 1 if stack.period.along > 0 else groove_count(stack.period.across, groove.pitch)
     empty = np.full(count, groove.curvature_empty)
     return PrismFilm(groove, base=0.2, length=2.0, profile="filled", curvature=empty)

@@ -209,8 +209,13 @@ def trace_mesh(
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
-    from mpfcad.record import describe_luminance
+    from mpfcad.measure import (
+        TraceRun,
+        light_film,
+        luminance_over_cell,
+        luminance_over_pitch,
+    )
+    from mpfcad.record import describe_cell, describe_luminance
 
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
@@ -225,7 +230,11 @@ def trace_mesh(
         run = TraceRun(
             seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
         )
-        result = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+        goal = setting.half_width_goal
+        if lit.is_cell:
+            figures = describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), seed)
+        else:
+            figures = describe_luminance(luminance_over_pitch(lit, run, half_width_goal=goal))
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     for table in backlight.tables.values():
         progress.note(table.table.summary())
@@ -244,4 +253,4 @@ def trace_mesh(
     }
     if repaired:
         traced["repaired_from"] = repaired
-    return {"schema": 1, "traced": traced, **describe_luminance(result)}
+    return {"schema": 1, "traced": traced, **figures}

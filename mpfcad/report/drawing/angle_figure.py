@@ -127,6 +127,27 @@ def panel_figure(panel: dict[str, Any], lamps_level: bool) -> "go.Figure":
     return figure
 
 
+def cell_figure(cell: dict[str, Any]) -> "go.Figure":
+    """Return the luminance over a cell of LEDs over its mean, the cell's middle at 0."""
+    import plotly.graph_objects as go
+
+    value = np.array(cell["luminance_cd_m2"])
+    bins = (np.arange(len(value)) + 0.5) / len(value) - 0.5
+    figure = go.Figure(
+        go.Heatmap(
+            x=rounded(bins * cell["across_mm"], 3), y=rounded(bins * cell["along_mm"], 3),
+            z=[rounded(row, 4) for row in (value / value.mean() - 1).T], colorscale="Viridis",
+            colorbar={"title": {"text": "over mean − 1"}},
+            hovertemplate="%{x} mm, %{y} mm: %{z}<extra></extra>",
+        )
+    )  # fmt: skip
+    styled(figure, 460)
+    figure.update_xaxes(title_text="across [mm]", constrain="domain")
+    figure.update_yaxes(title_text="along [mm]", scaleanchor="x", constrain="domain")
+    figure.update_layout(hovermode="closest")
+    return figure
+
+
 def pitch_figure(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":
     """Return luminance over the pitch of several (name, contrast record, colour), over its mean."""
     import plotly.graph_objects as go

@@ -8,6 +8,7 @@ import numpy as np
 
 from mpfcad.report.drawing.angle_figure import (
     angular_figure,
+    cell_figure,
     conoscope_figure,
     panel_figure,
     pitch_figure,
@@ -56,6 +57,8 @@ def write_measure_page(path: Path, record: Record) -> None:
 
 def _contrast(record: Record, folder: Path) -> Record:
     found, base = record["contrast"], record.get("baseline", {}).get("contrast")
+    if "cell" in found:
+        return _cell(found)
     curves = [(record["name"], found, FILM_COLOUR)]
     curves += [("conventional", base, BASE_COLOUR)] if base else []
     rows = [
@@ -73,7 +76,29 @@ def _contrast(record: Record, folder: Path) -> Record:
     if "relative_luminance" in record:
         rows.append(("mean normal luminance / conventional", record["relative_luminance"], 4))
     return {
+        "cell": False,
         "plot": plot(pitch_figure(curves), "pitch"),
+        "paths": found["paths"],
+        "rows": _rows(rows),
+    }
+
+
+def _cell(found: Record) -> Record:
+    """Return the figures of a cell of LEDs."""
+    rows = [
+        ("lamp-Mura contrast (L_{max} − L_{min})/(L_{max} + L_{min}) over the cell",
+         found["lamp_mura_contrast"], 3),
+        *((f"L_{{min}}/L_{{max}} on {count} points of the cell", points["min_over_max"], 4)
+          for count, points in found["points"].items()),
+        ("σ / mean", found["sigma_over_mean"], 3),
+        *((f"harmonic {name.replace('_', ' ')} / mean", amplitude, 3)
+          for name, amplitude in found["harmonic_amplitude"].items()),
+        ("mean normal luminance [cd/m²]", found["mean_luminance_cd_m2"], 5),
+        ("normal luminance above an LED [cd/m²]", found["luminance_above_led_cd_m2"], 5),
+    ]  # fmt: skip
+    return {
+        "cell": True,
+        "plot": plot(cell_figure(found["cell"]), "cell"),
         "paths": found["paths"],
         "rows": _rows(rows),
     }

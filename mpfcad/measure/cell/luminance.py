@@ -1,0 +1,204 @@
+"""Normal luminance over a cell of LEDs, traced from the LEDs and connected at the top sheet."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError, TraceError
+from mpfcad.measure.cell.series import CellSeries, fit_series
+from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.rounds import Lit, TraceRun, TraceState, Watch
+
+if TYPE_CHECKING:
+    from mpfcad.optics.forward.connection import CellMeter
+    from mpfcad.optics.forward.engine import CellTally
+
+#: Bins of the map along each axis.
+BINS = 24
+#: What ends the trace, as progress shows it.
+FIGURE = "contrast ± {:.4f} (95 %)"
+_LEAST_BLOCKS = 64
+_LOST_LIMIT = 1e-6
+#: Periods of a film's mesh that a cell must hold for the film to be called even.
+_EVEN = 8
+
+
+@dataclass(frozen=True, eq=False)
+class CellResult:
+    """Luminance over a cell and what follows from it.
+
+    Attributes
+    ----------
+    size
+        of the cell [mm] along x and y
+    series
+        the Fourier series
+    contrast, mean_luminance
+        lamp-Mura contrast over the cell; mean [cd/m²]
+    luminance, standard_error
+        (BINS, BINS) float64 [cd/m²], the map: rows along x, columns along y, LED in the middle
+    energy
+        shares of the LEDs' light: in = 1, out, absorbed (and by element), lost
+    paths
+        traced from the LEDs
+    accelerator
+        how the meshes were traced
+    is_mirrored
+        whether sines were left out, for the cell is its own mirror image
+    """
+
+    size: tuple[float, float]
+    series: CellSeries
+    contrast: Estimate
+    mean_luminance: Estimate
+    luminance: NDArray[np.float64]
+    standard_error: NDArray[np.float64]
+    energy: dict[str, Any]
+    paths: int
+    accelerator: str
+    is_mirrored: bool
+
+
+def luminance_over_cell(
+    lit: Lit, run: TraceRun | None = None, *, half_width_goal: float = 0.002
+) -> CellResult:
+    """Return the luminance over one cell of a film, or none, in a stack of LEDs.
+
+    Traces rounds of paths until the 95 % half-width of the contrast reaches `half_width_goal` or
+    the run's path limit is reached. The result does not depend on the number of threads.
+
+    Raises
+    ------
+    InputError
+        when the topmost layer is no sheet that scatters.
+    TraceError
+        when more than 1e-6 of the light is lost.
+    """
+    from mpfcad.optics.forward.connection import CellMeter
+    from mpfcad.optics.forward.engine import can_connect
+
+    run = run or TraceRun()
+    if not can_connect(lit.scene):
+        raise InputError(
+            f"{lit.stack.name}: layers: {lit.stack.layers[-1]}: LEDs are traced to a scattering "
+            "sheet on top: expected a sheet with sigma above 0 as the last layer"
+        )
+    period = lit.stack.period
+    meter = CellMeter(lit.stack.acceptance, period.across, period.along, BINS)
+    mirrored = _is_mirrored(lit)
+    tally, series, contrast = _rounds(lit, meter, run, half_width_goal, mirrored)
+    value, error = _map(tally, _scale(lit, meter) * BINS * BINS)
+    return CellResult(
+        (period.across, period.along), series, contrast, series.mean, value, error,
+        _energy(lit, tally), tally.paths, lit.accelerator, mirrored,
+    )  # fmt: skip
+
+
+def _rounds(
+    lit: Lit, meter: "CellMeter", run: TraceRun, goal: float, mirrored: bool
+) -> tuple["CellTally", CellSeries, Estimate]:
+    """Return the tally of enough rounds, its series and contrast."""
+    from mpfcad.optics.forward.engine import BLOCK, trace_forward
+
+    tally: CellTally | None = None
+    error = float("nan")
+    while True:
+        if tally is not None:
+            series = _series(lit, meter, tally, mirrored)
+            contrast = series.contrast(run.seed)
+            error = contrast.half_width
+            if error <= goal or tally.paths >= run.path_limit:
+                break
+        done = tally.blocks if tally is not None else 0
+        more = max(_LEAST_BLOCKS, done // 4)
+        state = TraceState(done * BLOCK, run.path_limit, error, goal, FIGURE)
+        watch = Watch(run.progress, state, BLOCK)
+        part = trace_forward(
+            lit.scene, meter, more, seed=run.seed, first=done, threads=run.threads,
+            after_block=watch.block if run.progress else None,
+        )  # fmt: skip
+        tally = part if tally is None else tally.plus(part)
+    if run.progress:
+        run.progress(TraceState(tally.paths, tally.paths, error, goal, FIGURE))
+    lost = _share(tally, "lost")
+    if lost > _LOST_LIMIT:
+        raise TraceError(f"{lit.name}: {lost:.2e} of the light was lost; expected {_LOST_LIMIT:g}")
+    return tally, series, contrast
+
+
+def _scale(lit: Lit, meter: "CellMeter") -> float:
+    """Return what turns a path's mean score into a luminance [cd/m²]: flux over area, in mm²."""
+    element: Any = lit.elements[0]
+    return float(element.flux / (meter.across * meter.along) * 1e6)
+
+
+def _series(lit: Lit, meter: "CellMeter", tally: "CellTally", mirrored: bool) -> CellSeries:
+    from mpfcad.optics.forward.connection import TERMS
+    from mpfcad.optics.forward.engine import BLOCK
+
+    blocks, n = tally.blocks, TERMS * TERMS
+    mean = tally.score[:n] / blocks
+    covariance = (tally.outer / blocks - np.outer(mean, mean)) / (blocks - 1)
+    # A term's mean square is ½ an axis where it is no constant.
+    axis = np.where(np.arange(TERMS) > 0, 2.0, 1.0)
+    factor = _scale(lit, meter) / BLOCK * np.outer(axis, axis).ravel()
+    return fit_series(factor * mean, covariance * np.outer(factor, factor), blocks, TERMS, mirrored)
+
+
+def _map(tally: "CellTally", scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    from mpfcad.optics.forward.connection import TERMS
+    from mpfcad.optics.forward.engine import BLOCK
+
+    blocks, factor = tally.blocks, scale / BLOCK
+    mean = tally.score[TERMS * TERMS :] / blocks
+    variance = np.maximum(0.0, tally.square / blocks - mean**2) / (blocks - 1)
+    shape = (BINS, BINS)
+    return factor * mean.reshape(shape), factor * np.sqrt(variance).reshape(shape)
+
+
+def _is_mirrored(lit: Lit) -> bool:
+    """Return whether LEDs and films are their own mirror images at x = 0 and y = 0.
+
+    A film whose mesh repeats many times in the cell counts as even.
+    """
+    from mpfcad.optics.element import Film
+
+    period = min(lit.stack.period)
+    for element in lit.elements:
+        if isinstance(element, Film) and max(element.mesh.size[:2]) * _EVEN > period:
+            return False
+    return bool(getattr(lit.stack.source, "is_mirrored", False))
+
+
+def _share(tally: "CellTally", name: str) -> float:
+    from mpfcad.optics.base.recorder import FLOWS
+
+    return float(tally.flow[FLOWS.index(name)] / tally.paths)
+
+
+def _energy(lit: Lit, tally: "CellTally") -> dict[str, Any]:
+    """Return where the LEDs' light goes, as shares of what they emit."""
+    from mpfcad.optics.base.recorder import FLOWS
+
+    share = tally.flow / tally.paths
+    mean = tally.flow / tally.blocks
+    error = np.sqrt(np.maximum(0.0, tally.flow2 / tally.blocks - mean**2) / (tally.blocks - 1))
+    error *= tally.blocks / tally.paths
+    absorbed = {"lamps": float(share[FLOWS.index("lamps")])}
+    for element, part in zip(lit.elements, share[len(FLOWS) :], strict=True):
+        if part > 0:
+            absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)
+    total = sum(absorbed.values())
+    up, down, lost = (float(share[FLOWS.index(name)]) for name in ("up", "down", "lost"))
+    return {
+        "in": 1.0,
+        "out": up,
+        "absorbed": total,
+        "absorbed_by": absorbed,
+        "lost": lost,
+        "imbalance": 1.0 - up - down - total - lost,
+        "imbalance_standard_error": float(error[FLOWS.index("roulette")]),
+        "paths": tally.paths,
+    }
