@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import ValidationError, validate
 
 from mpfcad.cli import run_app
 from mpfcad.errors import ExportError
 from mpfcad.job import read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+from mpfcad.record import published_schema
 
 MASKS = Path(__file__).parents[1] / "masks"
 FILES = [
@@ -162,6 +164,15 @@ def test_report_is_self_contained_and_well_formed(export):
         assert digest in text
 
 
+def test_what_is_written_is_what_the_published_schemas_say(export):
+    for name in ("verification", "manifest"):
+        document = json.loads((export / f"{name}.json").read_text())
+        validate(document, published_schema(name))
+    broken = {**document, "files": {"film.stl": {"sha256": "0", "bytes": 1}}}
+    with pytest.raises(ValidationError):
+        validate(broken, published_schema("manifest"))
+
+
 def small_job(folder, text):
     """Write a job on a small panel and return its path."""
     (folder / "small.toml").write_text(SMALL)
@@ -205,13 +216,31 @@ def test_figure_changed_together_with_its_hashes_is_found(own):
     from mpfcad.export import canonical_json, write_manifest
 
     path = own / "verification.json"
-    record = json.loads(path.read_text())
+    before = path.read_text()
+    record = json.loads(before)
     values = record["luminance"]["luminance_cd_m2"]
     values[3] = float(np.nextafter(values[3], np.inf))
     path.write_text(canonical_json(record))
     write_manifest(own, record["name"], "run")
     with pytest.raises(ExportError, match=r"verification.json: luminance.luminance_cd_m2\[3\]"):
         verify_export(own)
+    path.write_text(before)
+    write_manifest(own, record["name"], "run")
+
+
+@pytest.mark.parametrize("name", ["report.html", "mask.png", "mask.lyrdb"])
+def test_a_forged_page_or_picture_is_found_though_every_hash_holds(own, name):
+    from mpfcad.export import write_manifest
+
+    path, before = own / name, (own / name).read_bytes()
+    forged = before.replace(b"INCONCLUSIVE", b"PASS") if name == "report.html" else before + b" "
+    assert forged != before
+    path.write_bytes(forged)
+    write_manifest(own, "own", "run")
+    with pytest.raises(ExportError, match=f"{name}: differs from what the record"):
+        verify_export(own)
+    path.write_bytes(before)
+    write_manifest(own, "own", "run")
 
 
 @pytest.mark.parametrize(
@@ -265,6 +294,39 @@ def test_single_steps_write_only_what_was_asked(tmp_path, command, kind, monkeyp
     assert run_app(["run", str(job), "--out", str(folder)]) == 2
 
 
+@pytest.fixture(scope="module")
+def changed(own, tmp_path_factory):
+    """Return a copy of an export in which one byte of the mesh differs."""
+    folder = tmp_path_factory.mktemp("changed") / "out"
+    shutil.copytree(own, folder)
+    content = bytearray((folder / "film.stl").read_bytes())
+    content[200] ^= 1
+    (folder / "film.stl").write_bytes(bytes(content))
+    return folder
+
+
+def test_verify_tells_a_build_server(own, changed, tmp_path, capsys):
+    from xml.etree import ElementTree
+
+    for folder, verified in ((own, True), (changed, False)):
+        report = tmp_path / "junit.xml"
+        code = run_app(["verify", str(folder), "--json", "--junit", str(report)])
+        found = json.loads(capsys.readouterr().out)
+        validate(found, published_schema("verify"))
+        assert found["verified"] is verified
+        suite = ElementTree.fromstring(report.read_bytes())
+        failed = [case.get("name") for case in suite if case.find("failure") is not None]
+        if not verified:
+            assert code != 0
+            assert "film.stl" in found["changed"]
+            assert failed == ["export_unchanged"]
+            continue
+        assert [gate["name"] for gate in found["gates"]] == [c.get("name") for c in suite][1:]
+        bad = [g["name"] for g in found["gates"] if g["outcome"] in ("FAIL", "INCONCLUSIVE")]
+        assert failed == bad
+        assert suite.get("failures") == str(len(bad))
+
+
 def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
     stored = json.loads((export / "verification.json").read_text())
     offset = repr(stored["provenance"]["traced"]["offset_mm"])
@@ -273,5 +335,6 @@ def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
     figures = json.loads(capsys.readouterr().out)
     assert figures["luminance"] == stored["luminance"]
     assert figures["accelerator"] == "chain"
+    validate(figures, published_schema("trace"))
     assert run_app(["trace", str(export / "film.stl"), *options[:-1]]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "accelerator chain"

@@ -27,6 +27,10 @@ TraceEffort = Annotated[
 StandardEffort = Annotated[Effort, typer.Option("--effort", help="How long to trace.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Junit = Annotated[
+    Path | None,
+    typer.Option("--junit", metavar="FILE.xml", help="Write the gates as a JUnit report too."),
+]
 Threads = Annotated[
     int | None,
     typer.Option(

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import JobFile, Out, Threads, TraceEffort
+from mpfcad.cli.option import JobFile, Junit, Out, Threads, TraceEffort
 
 
 def command(
@@ -15,12 +15,13 @@ def command(
     pdf: Annotated[
         bool, typer.Option("--pdf", help="Print report.pdf (A4), by a Chromium that is installed.")
     ] = False,
+    junit: Junit = None,
 ) -> int:
     """Make mask, CAD files, ray trace and report of a job."""
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.job import read_job
     from mpfcad.pipeline import default_out, run_job
-    from mpfcad.record import exit_code
+    from mpfcad.record import exit_code, write_junit
 
     job = read_job(job_file)
     folder = out or default_out(job)
@@ -34,5 +35,7 @@ def command(
             progress=terminal,
             pdf=pdf,
         )
+    if junit is not None:
+        write_junit(junit, verification)
     print_verdict(verification, folder)
     return exit_code(verification["verdict"])

@@ -1,31 +1,56 @@
 """`mpfcad verify`: hash every file of an export, then find its figures again from its files."""
 
+import json as json_format
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from mpfcad.cli.option import Threads
+from mpfcad.cli.option import Json, Junit, Threads
 
 
 def command(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="An export of mpfcad run.")],
     threads: Threads = None,
+    json: Json = False,
+    junit: Junit = None,
 ) -> int:
     """Check every hash of an export, then trace its film again and compare bit for bit."""
     from mpfcad.cli.stream import one_line
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.errors import ExportError
     from mpfcad.pipeline import verify_export
-    from mpfcad.record import exit_code
+    from mpfcad.record import exit_code, write_junit
 
+    changed: str | None = None
+    verification: dict[str, Any] = {}
     try:
         with Terminal() as terminal:
             verification = verify_export(folder, threads=threads, progress=terminal)
     except ExportError as error:
-        print(f"mpfcad: {one_line(str(error))}", file=sys.stderr)
+        changed = str(error)
+    if junit is not None:
+        write_junit(junit, verification, changed=changed)
+    if json:
+        print(json_format.dumps(_result(verification, changed), indent=1, ensure_ascii=False))
+    if changed is not None:
+        print(f"mpfcad: {one_line(changed)}", file=sys.stderr)
         return 1
-    print("verified: every hash holds, and the figures come out the same bit for bit")
-    print_verdict(verification, folder)
+    if not json:
+        print("verified: every hash holds, and the figures come out the same bit for bit")
+        print_verdict(verification, folder)
     return exit_code(verification["verdict"])
+
+
+def _result(verification: dict[str, Any], changed: str | None) -> dict[str, Any]:
+    """Return what `--json` prints; of a changed export the verdict is not to be trusted."""
+    verified = changed is None
+    return {
+        "schema": 1,
+        "verified": verified,
+        "changed": changed,
+        "name": verification.get("name") if verified else None,
+        "verdict": verification["verdict"] if verified else None,
+        "gates": verification["gates"] if verified else [],
+    }

@@ -5,6 +5,7 @@ values; `describe_…` does the same for single measures. Nothing here draws or 
 """
 
 from mpfcad.record.cell import describe_cell
+from mpfcad.record.junit import junit_report, write_junit
 from mpfcad.record.measurement import (
     MEASUREMENT_SCHEMA,
     describe_angular,
@@ -17,6 +18,7 @@ from mpfcad.record.measurement import (
     describe_uniformity,
     ratio,
 )
+from mpfcad.record.published import SCHEMAS, published_schema
 from mpfcad.record.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.record.verification import (
     CONTRAST_FORMULA,
@@ -32,6 +34,7 @@ __all__ = [
     "CONTRAST_FORMULA",
     "MEASUREMENT_SCHEMA",
     "OUTCOMES",
+    "SCHEMAS",
     "Checks",
     "Gate",
     "Outcome",
@@ -50,6 +53,9 @@ __all__ = [
     "describe_uniformity",
     "exit_code",
     "find_difference",
+    "junit_report",
+    "published_schema",
     "ratio",
     "worst_outcome",
+    "write_junit",
 ]

@@ -5,11 +5,13 @@ import json
 import numpy as np
 import pytest
 from harness import film_file, groove
+from jsonschema import validate
 
 from mpfcad.cli import run_app
 from mpfcad.measure import rounds
 from mpfcad.pipeline import TRACE_SETTINGS, WHAT, TraceSetting
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, MeasureSetting
+from mpfcad.record import published_schema
 
 FILES = [
     "camera-contour.png", "camera.png", "camera.tif", "manifest.json", "measure.html",
@@ -96,6 +98,10 @@ def test_the_page_needs_no_network_and_shows_every_part(measured):
     for title in ("lamp pitch", "Viewing angle", "Conoscopic map", "efficiency", "Camera image"):
         assert title in page
     assert 'src="http' not in page and "NaN" not in page.split("</script>")[-2]
+
+
+def test_measure_writes_what_its_published_schema_says(measured):
+    validate(json.loads((measured / "measure.json").read_text()), published_schema("measure"))
 
 
 def test_the_same_figures_again_are_not_traced_again(place, measured, monkeypatch):

@@ -99,14 +99,19 @@ def check_masks(
     return checks
 
 
-def write_mask_pictures(folder: Path, checks: dict[str, MaskCheck], mask: Mask | None) -> None:
-    """Write mask.lyrdb, the markers of what is too narrow, and mask.png, from the first file."""
+def write_mask_pictures(
+    folder: Path, checks: dict[str, MaskCheck], mask: Mask | None, source: Path | None = None
+) -> None:
+    """Write mask.lyrdb, the markers of what is too narrow, and mask.png, from the first file.
+
+    `source` is where the mask files are; None: in `folder`.
+    """
     from mpfcad.mask import write_markers, write_preview
 
     if not checks or mask is None:
         return
     name = next((n for n, check in checks.items() if check.windows), next(iter(checks)))
-    write_preview(folder / MASK_PICTURE, folder / name, checks[name], mask)
+    write_preview(folder / MASK_PICTURE, (source or folder) / name, checks[name], mask)
     if checks[name].windows:
         write_markers(folder / MASK_MARKERS, name, checks[name].windows)
 

@@ -1,6 +1,7 @@
 """`verify_export`: hash every file, then find every figure again from the files, bit for bit."""
 
 import json
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ from mpfcad.errors import ExportError, InputError, MpfcadError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.run.run import VERIFICATION
+from mpfcad.pipeline.run.run import REPORT, VERIFICATION
 from mpfcad.store import Store, code_hash, versions
 
 #: Provenance that only the run itself could know; it is protected by the hash alone.
@@ -36,7 +37,8 @@ def verify_export(
         raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
     stored = json.loads((folder / VERIFICATION).read_text("utf-8"))
     try:
-        found = json.loads(canonical_json(_find_again(folder, stored, threads, progress)))
+        found, pages = _find_again(folder, stored, threads, progress)
+        found = json.loads(canonical_json(found))
     except (MpfcadError, LookupError, TypeError, ValueError) as error:
         maker = _maker(stored.get("provenance", {}))
         if not maker:
@@ -44,25 +46,36 @@ def verify_export(
         reason = error if isinstance(error, MpfcadError) else f"not read by this version: {error!r}"
         raise ExportError(f"{folder / VERIFICATION}: {reason}{maker}") from error
     _compare(folder, stored, found)
+    _compare_pages(folder, pages, _maker(stored["provenance"]))
     return stored
 
 
 def _find_again(
     folder: Path, stored: dict[str, Any], threads: int | None, progress: Progress
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return the record, and the bytes of what is drawn from it, as this version makes them."""
     from mpfcad.pipeline.effort import TraceSetting
     from mpfcad.pipeline.plan.plan import restore_plan
     from mpfcad.pipeline.run.examine import examine
-    from mpfcad.pipeline.run.make import plan_mask
-    from mpfcad.pipeline.run.record import build_record
+    from mpfcad.pipeline.run.make import plan_mask, write_mask_pictures
+    from mpfcad.pipeline.run.record import build_record, gather_evidence
+    from mpfcad.report import build_page
 
     plan = restore_plan(folder, stored["job"])
     setting = TraceSetting(**stored["job"]["trace"])
     with Checkpoints(Store.open(progress.note)) as checkpoints:
-        findings = examine(folder, plan, plan_mask(plan), setting, threads, checkpoints, progress)
+        mask = plan_mask(plan)
+        findings = examine(folder, plan, mask, setting, threads, checkpoints, progress)
         given = stored["provenance"]
         provenance = {key: given[key] for key in OF_THE_RUN if key in given}
-        return build_record(folder, plan, findings, setting, provenance)
+        record = build_record(folder, plan, findings, setting, provenance)
+    progress.stage("drawing the report again")
+    with tempfile.TemporaryDirectory() as temporary:
+        write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
+        pages = {path.name: path.read_bytes() for path in Path(temporary).iterdir()}
+    evidence = gather_evidence(folder, plan, mask, findings)
+    pages[REPORT] = build_page(json.loads(canonical_json(record)), evidence).encode()
+    return record, pages
 
 
 def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> None:
@@ -72,6 +85,16 @@ def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> Non
     if difference is None:
         return
     raise ExportError(f"{folder / VERIFICATION}: {difference}{_maker(stored['provenance'])}")
+
+
+def _compare_pages(folder: Path, pages: dict[str, bytes], maker: str) -> None:
+    """Compare what a person looks at, byte for byte: a forged page may carry a true hash."""
+    for name, content in pages.items():
+        if (folder / name).read_bytes() != content:
+            raise ExportError(
+                f"{folder / name}: differs from what the record and the files give, though its "
+                f"hash is that of the manifest{maker}"
+            )
 
 
 def _maker(made: dict[str, Any]) -> str:

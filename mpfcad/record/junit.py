@@ -1,0 +1,43 @@
+"""The gates as a JUnit report, which build servers show: a test case a gate."""
+
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+
+def junit_report(record: dict[str, Any], *, changed: str | None = None) -> bytes:
+    """Return the XML of a record's gates, MARGINAL as passed; the same record gives the same bytes.
+
+    `changed`: what `mpfcad verify` found changed in the export, None where nothing was.
+    """
+    gates = record.get("gates", [])
+    suite = Xml.Element("testsuite", name=f"mpfcad {record.get('name', '')}".strip())
+    case = Xml.SubElement(suite, "testcase", classname="mpfcad", name="export_unchanged")
+    if changed is not None:
+        Xml.SubElement(case, "failure", message=changed)
+    for gate in gates:
+        case = Xml.SubElement(suite, "testcase", classname="mpfcad.gate", name=gate["name"])
+        if gate["outcome"] not in ("PASS", "MARGINAL"):
+            Xml.SubElement(case, "failure", message=_message(gate), type=gate["outcome"])
+        Xml.SubElement(case, "system-out").text = _message(gate)
+    cases = suite.findall("testcase")
+    suite.set("tests", str(len(cases)))
+    suite.set("failures", str(sum(case.find("failure") is not None for case in cases)))
+    suite.set("errors", "0")
+    Xml.indent(suite)
+    return Xml.tostring(suite, encoding="utf-8", xml_declaration=True) + b"\n"
+
+
+def write_junit(path: Path, record: dict[str, Any], *, changed: str | None = None) -> None:
+    """Write the report to `path`."""
+    path.write_bytes(junit_report(record, changed=changed))
+
+
+def _message(gate: dict[str, Any]) -> str:
+    sign = ">=" if gate.get("at_least") else "<="
+    words = f"{gate['outcome']}: {gate['value']:.6g}, expected {sign} {gate['limit']:.6g}"
+    if "marginal_limit" in gate:
+        words += f" (marginal {sign} {gate['marginal_limit']:.6g})"
+    if gate["ci95"] is not None:
+        words += f", 95 % interval {gate['ci95'][0]:.6g} to {gate['ci95'][1]:.6g}"
+    return words
