@@ -21,6 +21,7 @@ from mpfcad.cli import (
     sweep,
     trace,
     verify,
+    view,
 )
 
 _DEBUG = "MPFCAD_DEBUG"
@@ -65,8 +66,8 @@ def _global_options(
 
 
 _COMMANDS = (
-    run, mask, cad, mould, trace, measure, compare, verify, design, sweep, bsdf, calibrate, stacks,
-    cache, init,
+    run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
+    stacks, cache, init,
 )  # fmt: skip
 
 for command in _COMMANDS:

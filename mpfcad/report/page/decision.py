@@ -30,8 +30,8 @@ def decision_values(record: Record) -> Record:
         "sentence": verdict_sentence(record),
         "others": _other_gates(record),
         "figures": _figures(record),
-        "scale": _scale(record, films),
-        "strips": _strips(films),
+        "scale": scale_values(record, films),
+        "strips": strip_values(films),
         "luminance": plot(luminance_figure(record), "luminance"),
         "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
         "assumed": _assumed(record),
@@ -79,8 +79,8 @@ def _figures(record: Record) -> list[tuple[str, str, str]]:
     ]
 
 
-def _scale(record: Record, films: list[tuple[str, Record]]) -> Record:
-    """Return limits, threshold and intervals as percent of the scale's length."""
+def scale_values(record: Record, films: list[tuple[str, Record]]) -> Record:
+    """Return limits, threshold and intervals of (name, trace) as percent of the scale's length."""
     gate = record["gates"][0]
     end = max(_LIMITS_SHOWN * gate["marginal_limit"], _ROOM * gate["ci95"][1])
 
@@ -118,7 +118,8 @@ def _scale(record: Record, films: list[tuple[str, Record]]) -> Record:
     return {"end": f"{end:.3g}", "rows": rows, "marks": marks, "eye": seen}
 
 
-def _strips(films: list[tuple[str, Record]]) -> Record:
+def strip_values(films: list[tuple[str, Record]]) -> Record:
+    """Return pictures of several (name, trace) on common scales."""
     position = strip_position()
     curves = [fitted_curve(found, position) for _, found in films]
     white, reach = 1.05 * max(float(np.max(curve)) for curve in curves), common_reach(curves)
