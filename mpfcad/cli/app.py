@@ -12,6 +12,7 @@ from mpfcad.cli import (
     calibrate,
     compare,
     design,
+    doctor,
     init,
     mask,
     measure,
@@ -23,6 +24,7 @@ from mpfcad.cli import (
     verify,
     view,
 )
+from mpfcad.cli.group import ExampleHelp, GroupedHelp
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -31,7 +33,8 @@ app = typer.Typer(
     help="From a curvature map to a verified multi-performance film.",
     epilog="Exit codes: 0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE, 2 bad input, 3 anything else.",
     no_args_is_help=False,
-    add_completion=False,
+    cls=GroupedHelp,
+    add_completion=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -67,8 +70,8 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    stacks, cache, init,
+    stacks, cache, init, doctor,
 )  # fmt: skip
 
 for command in _COMMANDS:
-    app.command(command.__name__.rpartition(".")[2])(command.command)
+    app.command(command.__name__.rpartition(".")[2], cls=ExampleHelp)(command.command)

@@ -1,12 +1,12 @@
 """`mpfcad bsdf`: makes the BSDF table of a film mesh; reads, checks, shows and converts tables."""
 
-import json as json_format
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from mpfcad.cli.option import Json, Seed, Threads
+from mpfcad.cli.sign import print_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -122,7 +122,7 @@ def command(
     written = write_texts(folder, texts) if texts else []
     figures = _figures(table, made) | {"written": [str(path) for path in written]}
     if json:
-        print(json_format.dumps(figures, indent=1, ensure_ascii=False))
+        print_json(figures)
     else:
         _print(figures)
     return 0

@@ -1,6 +1,5 @@
 """`mpfcad calibrate`: stylus traces of coupons -> curvatures, and a process calibration."""
 
-import json as json_format
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,6 +7,7 @@ import typer
 
 from mpfcad.cli.calibration import print_calibration, write_calibration
 from mpfcad.cli.option import Json
+from mpfcad.cli.sign import print_json
 
 if TYPE_CHECKING:
     from mpfcad.film import Groove, Interval, ReadingOption, StylusFit, StylusTrace
@@ -104,7 +104,7 @@ def command(
         document = {"schema": 1, "prism_widths": widths, "traces": figures}
         if out is not None:
             document["process"] = found
-        print(json_format.dumps(document, indent=1, ensure_ascii=False))
+        print_json(document)
     else:
         _print_table(figures)
         if out is not None:

@@ -6,6 +6,8 @@ import sys
 from contextlib import suppress
 from typing import Any
 
+from mpfcad.cli.sign import register_handler
+
 #: Longest line about an error, with its `mpfcad: `.
 LINE_LIMIT = 300
 
@@ -74,13 +76,14 @@ def prepare_streams() -> Stream:
             os.fstat(descriptor)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
+    handler = register_handler()
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
             stream = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
         with suppress(AttributeError, ValueError):
-            # A sign that the stream's encoding lacks is written as its escape.
-            stream.reconfigure(errors="backslashreplace")
+            # A sign that the stream's encoding lacks gets a plain stand-in.
+            stream.reconfigure(errors=handler)
         if not isinstance(stream, Stream):
             setattr(sys, name, Stream(stream))
     return sys.stdout  # type: ignore[return-value]

@@ -1,6 +1,5 @@
 """What a run shows: progress on stderr, and its result on stdout."""
 
-import json
 import sys
 import time
 from contextlib import ExitStack
@@ -8,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpfcad import compiling
+from mpfcad.cli.sign import print_json
 from mpfcad.cli.stream import one_line
 from mpfcad.store.notice import listeners
 
@@ -23,6 +23,10 @@ _COMPILED = {
     "trace_world": ("the search's rays between two meetings with the film", "5 s"),
     "trace_meter": ("the search's rays from the meter", "5 s"),
 }
+
+
+#: Columns of a terminal from which on there is room for a bar.
+_WIDE = 60
 
 
 class Terminal:
@@ -146,13 +150,13 @@ def _live_bar() -> Any:
         def render(self, task: Any) -> Text:
             return Text(task.description, no_wrap=True, overflow="ellipsis")
 
-    columns = (
-        SpinnerColumn(table_column=Column(no_wrap=True)),
-        Stage(),
-        BarColumn(bar_width=8, table_column=Column(no_wrap=True)),
-        TextColumn("{task.fields[note]}", markup=False),
-    )
-    return Progress(*columns, console=Console(stderr=True), transient=True)
+    console = Console(stderr=True)
+    columns: tuple[ProgressColumn, ...] = (Stage(), TextColumn("{task.fields[note]}", markup=False))
+    if console.width >= _WIDE:
+        bar = BarColumn(bar_width=8, table_column=Column(no_wrap=True))
+        spinner = SpinnerColumn(table_column=Column(no_wrap=True))
+        columns = (spinner, columns[0], bar, columns[1])
+    return Progress(*columns, console=console, transient=True)
 
 
 def print_gates(record: dict[str, Any]) -> None:
@@ -184,7 +188,7 @@ def print_verdict(verification: dict[str, Any], folder: Path) -> None:
 def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     """Print the figures of a trace, as JSON or as a table."""
     if as_json:
-        print(json.dumps(figures, indent=1, ensure_ascii=False))
+        print_json(figures)
         return
     names = ["lamp_mura_contrast", "mean_luminance_cd_m2"]
     if "cell" in figures:
@@ -209,7 +213,7 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
 def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
     """Print the figures of a measurement with their standard errors, or the whole record."""
     if as_json:
-        print(json.dumps(record, indent=1, ensure_ascii=False))
+        print_json(record)
         return
     for name, estimate in _estimates(record):
         value = "–" if estimate is None else f"{estimate['value']:.6g}"
@@ -221,7 +225,7 @@ def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) ->
 def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
     """Print the summary of a comparison, a line a case, or the whole record."""
     if as_json:
-        print(json.dumps(record, indent=1, ensure_ascii=False))
+        print_json(record)
         return
     print("case: contrast [95 %], normal luminance and efficiency over conventional, sheets")
     for case in record["cases"]:

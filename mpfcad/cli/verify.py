@@ -1,6 +1,5 @@
 """`mpfcad verify`: hash every file of an export, then find its figures again from its files."""
 
-import json as json_format
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from mpfcad.cli.option import Json, Junit, Threads
+from mpfcad.cli.sign import print_json
 
 
 def command(
@@ -33,7 +33,7 @@ def command(
     if junit is not None:
         write_junit(junit, verification, changed=changed)
     if json:
-        print(json_format.dumps(_result(verification, changed), indent=1, ensure_ascii=False))
+        print_json(_result(verification, changed))
     if changed is not None:
         print(f"mpfcad: {one_line(changed)}", file=sys.stderr)
         return 1

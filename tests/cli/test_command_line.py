@@ -72,6 +72,9 @@ def test_help_is_instant():
         "calibrate",
         "stacks",
         "init",
+        "view",
+        "doctor",
+        "compare",
         "--help",
     ],
 )
@@ -79,6 +82,32 @@ def test_every_subcommand_has_help(command):
     result = mpfcad(command, "--help")
     assert result.returncode == 0
     assert "Usage: mpfcad" in result.stdout
+
+
+def test_every_subcommand_stands_in_a_group_with_an_example_that_parses():
+    import shlex
+
+    import typer
+
+    from mpfcad.cli.app import app
+    from mpfcad.cli.group import EXAMPLES
+
+    group = typer.main.get_command(app)
+    assert set(EXAMPLES) == set(group.commands)
+    for name, example in EXAMPLES.items():
+        program, command, *arguments = shlex.split(example)
+        assert (program, command) == ("mpfcad", name)
+        group.commands[name].make_context(name, arguments)
+        assert example in mpfcad(name, "--help").stdout
+
+
+def test_doctor_says_what_is_here():
+    import json
+
+    found = json.loads(mpfcad("doctor", "--json", "--no-speed").stdout)
+    assert found["libraries"]["numpy"]
+    assert int(found["cores"].split()[0]) >= 1
+    assert "kernels" in found
 
 
 def test_version():

@@ -72,7 +72,7 @@ def _find_again(
     progress.stage("drawing the report again")
     with tempfile.TemporaryDirectory() as temporary:
         write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
-        pages = {path.name: path.read_bytes() for path in Path(temporary).iterdir()}
+        pages = {path.name: path.read_bytes() for path in sorted(Path(temporary).iterdir())}
     evidence = gather_evidence(folder, plan, mask, findings)
     pages[REPORT] = build_page(json.loads(canonical_json(record)), evidence).encode()
     return record, pages
