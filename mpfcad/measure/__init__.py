@@ -11,13 +11,15 @@ from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.camera import CameraResult, camera_image
 from mpfcad.measure.cell.luminance import CellResult, luminance_over_cell
 from mpfcad.measure.checkpoint import Checkpoints
-from mpfcad.measure.contrast.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.contrast import contrast_of_curve
+from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import fit_harmonics
 from mpfcad.measure.contrast.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.estimate import Estimate, reach
 from mpfcad.measure.eye import describe_eye, threshold_contrast
 from mpfcad.measure.flux import FluxResult, output_flux
-from mpfcad.measure.luminance import POINTS, LuminanceResult, luminance_over_pitch
+from mpfcad.measure.luminance import LuminanceResult, luminance_over_pitch
+from mpfcad.measure.meter import POINTS, Spot
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
 from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, UniformityResult, screen_uniformity
@@ -32,11 +34,13 @@ __all__ = [
     "CellResult",
     "Checkpoints",
     "ConoscopeResult",
+    "CurveFit",
     "Estimate",
     "FluxResult",
     "Lit",
     "LuminanceResult",
     "PanelResult",
+    "Spot",
     "TraceRun",
     "TraceState",
     "UniformityResult",
@@ -44,8 +48,9 @@ __all__ = [
     "camera_image",
     "check_finite",
     "conoscope",
-    "contrast_of_harmonics",
+    "contrast_of_curve",
     "describe_eye",
+    "fit_curve",
     "fit_harmonics",
     "harmonic_amplitude",
     "light_film",

@@ -52,13 +52,18 @@ def estimate_sum(
     value: NDArray[np.float64],
     error: NDArray[np.float64],
     blocks: float,
+    *,
+    own: bool = False,
 ) -> Estimate:
-    """Return Σ weight · value of points with independent errors from so many blocks; all (p,)."""
+    """Return Σ weight · value of points with independent errors from so many blocks; all (p,).
+
+    `own`: the errors come from each point's own blocks alone.
+    """
     from mpfcad.optics.base.recorder import freedom_of_sum
 
     spread = float(np.sqrt(np.sum((weight * error) ** 2)))
     return Estimate.student(
-        float(np.sum(weight * value)), spread, freedom_of_sum(weight, error, blocks)
+        float(np.sum(weight * value)), spread, freedom_of_sum(weight, error, blocks, own=own)
     )
 
 

@@ -1,4 +1,4 @@
-"""Normal luminance over the central lamp pitch, traced from a mesh on disk."""
+"""Normal luminance over whole lamp pitches, traced from a mesh on disk."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast.contrast import contrast_of_harmonics
+from mpfcad.measure.contrast.contrast import contrast_of_curve, contrasts_of_pitches
+from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 
 if TYPE_CHECKING:
@@ -16,8 +18,6 @@ if TYPE_CHECKING:
     from mpfcad.optics.element import Element
     from mpfcad.optics.scene import Scene
 
-#: Points over the pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
-POINTS = 33
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
 _ENERGY_BLOCKS = 256
@@ -25,7 +25,7 @@ _ENERGY_BLOCKS = 256
 
 @dataclass(frozen=True, eq=False)
 class LuminanceResult:
-    """Luminance over a lamp pitch and what follows from it.
+    """Luminance over the middle's lamp pitch and what follows from it.
 
     Attributes
     ----------
@@ -37,8 +37,16 @@ class LuminanceResult:
         degrees of freedom of a point's standard error
     fit
         the Fourier series through them
+    curve
+        what is read: the curve over this pitch, or on a finite panel over all of them
+    central
+        number of this pitch among the curve's
     contrast, mean_luminance
-        lamp-Mura contrast; mean [cd/m²] over the pitch
+        lamp-Mura contrast, of the worst pitch of a finite panel; mean [cd/m²] over this pitch
+    pitches
+        the contrast of each pitch of a finite panel; empty without end
+    spot
+        of the meter
     energy
         shares of the lamps' light from a forward trace: in = 1, out, absorbed (and by element),
         lost
@@ -53,23 +61,37 @@ class LuminanceResult:
     standard_error: NDArray[np.float64]
     freedom: float
     fit: HarmonicFit
+    curve: CurveFit
+    central: int
     contrast: Estimate
     mean_luminance: Estimate
+    pitches: tuple[Estimate, ...]
+    spot: Spot
     energy: dict[str, object]
     paths: int
     accelerator: str
+
+    @property
+    def central_curve(self) -> NDArray[np.float64]:
+        """The curve at the 33 points of the middle's pitch, (33,) float64 [cd/m²]."""
+        readings = self.curve.curve[self.curve.window[self.central]]
+        return readings[:: (len(readings) - 1) // (POINTS - 1)]
 
 
 def luminance_over_pitch(
     lit: Lit, run: TraceRun | None = None, *, half_width_goal: float = 0.002
 ) -> LuminanceResult:
-    """Return the luminance over one lamp pitch of a film in its stack.
+    """Return the luminance over one lamp pitch of a film in its stack, and its contrast.
 
-    Traces rounds of paths until the 95 % half-width of the contrast reaches `half_width_goal` or
-    the run's path limit is reached. The result does not depend on the number of threads.
+    On a finite panel every pitch from the first lamp to the last is measured, and the contrast is
+    the worst one's. Traces rounds of paths until the 95 % half-width of the contrast reaches
+    `half_width_goal` or the run's path limit is reached. The result does not depend on the number
+    of threads.
 
     Raises
     ------
+    InputError
+        when a pitch of a finite panel has no light.
     TraceError
         when more than 1e-6 of the paths are lost.
     """
@@ -77,27 +99,37 @@ def luminance_over_pitch(
 
     run = run or TraceRun()
     stack = lit.stack
-    position = np.linspace(0, 1, POINTS)
+    position = pitch_positions(stack)
     source = Source(
-        EYE, position * stack.period.across, stack["meter_spot_mm"], acceptance=stack.acceptance
+        EYE, position * stack.period.across, lit.spot.width, acceptance=stack.acceptance
     )
 
-    def read(tally: "Tally") -> tuple[HarmonicFit, Estimate]:
-        fit = fit_harmonics(position, tally.radiance, tally.radiance_error, tally.blocks)
-        return fit, contrast_of_harmonics(fit, run.seed)
+    def read(tally: "Tally") -> tuple[CurveFit, Estimate]:
+        refuse_dark(stack.name, position, tally.radiance)
+        found = tally.radiance, tally.radiance_error, tally.blocks
+        curve = fit_curve(position, *found, periodic=not lit.is_finite)
+        return curve, contrast_of_curve(curve, run.seed)
 
     tally = trace_rounds(
         lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE
     )
-    fit, contrast = read(tally)
+    curve, contrast = read(tally)
+    start = int(np.argmin(np.abs(position)))
+    central = slice(start, start + POINTS)
+    luminance, error = tally.radiance[central], tally.radiance_error[central]
+    number = start // (POINTS - 1)
     return LuminanceResult(
-        position,
-        tally.radiance,
-        tally.radiance_error,
+        position[central],
+        luminance,
+        error,
         tally.radiance_freedom,
-        fit,
+        fit_harmonics(position[central], luminance, error, tally.blocks),
+        curve,
+        number,
         contrast,
-        fit.mean,
+        curve.mean(number),
+        tuple(contrasts_of_pitches(curve, run.seed)) if lit.is_finite else (),
+        lit.spot,
         _energy(lit.scene, lit.elements, run.seed, run.threads),
         tally.total_paths,
         lit.accelerator,

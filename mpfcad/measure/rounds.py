@@ -11,6 +11,7 @@ import numpy as np
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
 from mpfcad.measure.checkpoint import Checkpoints
+from mpfcad.measure.meter import Spot, meter_spot
 from mpfcad.store import array_hash, value_hash, work_key
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ class Lit:
         from the bottom up, and lowered for the kernels
     case
         what the scene depends on, in plain values
+    spot
+        of the luminance meter, whole grooves of the film
     notes
         a line of what was read of the film's file
     """
@@ -82,6 +85,7 @@ class Lit:
     scene: "Scene"
     case: dict[str, Any]
     name: str
+    spot: Spot
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -115,6 +119,7 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     from mpfcad.optics.solid.mesh import read_film_mesh
 
     mesh = None if mesh_path is None else read_film_mesh(mesh_path)
+    spot = meter_spot(stack, mesh)
     elements = lower_stack(stack, mesh, offset)
     scene = build_scene(elements)
     case = {
@@ -124,7 +129,9 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
         "scene": array_hash(scene),
     }
     notes = [] if mesh is None else [mesh.note]
-    return Lit(stack, elements, scene, case, str(mesh_path or stack.name), notes)
+    if spot.is_rounded:
+        notes.append(spot.note)
+    return Lit(stack, elements, scene, case, str(mesh_path or stack.name), spot, notes)
 
 
 def _by_value(stack: Stack) -> list[Any]:
@@ -140,6 +147,8 @@ def trace_rounds(
     error_of: "Callable[[Tally], float]",
     goal: float,
     figure: str,
+    *,
+    least_blocks: int = 2,
 ) -> "Tally":
     """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
 
@@ -168,6 +177,8 @@ def trace_rounds(
             if error <= goal or tally.total_paths >= limit:
                 break
         more = max(-(-_LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
+        if not tally.blocks:
+            more = max(more, least_blocks)
         state = TraceState(tally.total_paths, limit, error, goal, figure, start)
         watch = Watch(run.progress, state, points * BLOCK)
         tally = tally + trace(

@@ -55,7 +55,7 @@ def screen_uniformity(lit: Lit, run: TraceRun, error_goal: float) -> UniformityR
     source = Source(
         EYE,
         middle(lit) + (SCREEN_POINTS[:, 0] - 0.5) * stack.panel_width,
-        stack["meter_spot_mm"],
+        lit.spot.width,
         acceptance=stack.acceptance,
         along=(SCREEN_POINTS[:, 1] - 0.5) * stack.panel_length,
         spot_along=stack["meter_spot_mm"],

@@ -1,5 +1,6 @@
 """Measured figures in outside names and plain values, each with interval and standard error."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from mpfcad.measure import (
     LuminanceResult,
     PanelResult,
     UniformityResult,
-    contrast_of_harmonics,
+    contrast_of_curve,
     harmonic_amplitude,
     relative_spread,
 )
@@ -22,17 +23,15 @@ from mpfcad.record.verification import describe_luminance
 from mpfcad.units import deg
 
 #: Of the records below; figures kept under another one are measured anew.
-MEASUREMENT_SCHEMA = 3
+MEASUREMENT_SCHEMA = 4
 _HARMONICS = 3
 
 
 def describe_contrast(result: LuminanceResult, seed: int) -> dict[str, Any]:
-    """Return luminance over the pitch and everything read off its Fourier series."""
-    fit = result.fit
+    """Return luminance over the pitch and everything read off its curve and Fourier series."""
+    fit, curve = result.fit, result.curve
     contrast = {
-        f"lamp_mura_contrast_{points}_points": describe_estimate(
-            contrast_of_harmonics(fit, seed, points=points)
-        )
+        f"lamp_mura_contrast_{points}_points": describe_estimate(_of_central(result, seed, points))
         for points in (33, 9)
     }
     return {
@@ -40,13 +39,19 @@ def describe_contrast(result: LuminanceResult, seed: int) -> dict[str, Any]:
         "lamp_mura_contrast": describe_estimate(result.contrast),
         **contrast,
         "mean_luminance_cd_m2": describe_estimate(result.mean_luminance),
-        "luminance_above_lamp_cd_m2": describe_estimate(fit.at(0.0)),
-        "luminance_between_lamps_cd_m2": describe_estimate(fit.at(0.5)),
+        "luminance_above_lamp_cd_m2": describe_estimate(curve.at(0.0)),
+        "luminance_between_lamps_cd_m2": describe_estimate(curve.at(0.5)),
         "sigma_over_mean": describe_estimate(relative_spread(fit)),
         "harmonic_amplitude": [
             describe_estimate(harmonic_amplitude(fit, order)) for order in range(1, _HARMONICS + 1)
         ],
     }
+
+
+def _of_central(result: LuminanceResult, seed: int, points: int) -> Estimate:
+    """Return the contrast of so many points of the middle's pitch."""
+    central = replace(result.curve, window=result.curve.window[[result.central]])
+    return contrast_of_curve(central, seed, points=points)
 
 
 def describe_angular(result: AngularResult) -> dict[str, Any]:

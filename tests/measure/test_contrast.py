@@ -1,11 +1,13 @@
 """Contrast without the bias of noise: closed form, coverage of the interval, bias."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpfcad.measure import POINTS, contrast_of_harmonics, fit_harmonics, reach
+from mpfcad.measure import POINTS, contrast_of_curve, fit_curve, fit_harmonics, reach
 
 POSITION = np.linspace(0, 1, POINTS)
 
@@ -36,17 +38,18 @@ def naive(luminance):
 )  # fmt: skip
 def test_a_curve_without_noise_gives_its_closed_form(contrast, mean, phase, shape):
     luminance = curve(lambda u: shape(u + phase), contrast, mean)
-    fit = fit_harmonics(POSITION, luminance, np.full(POINTS, 1e-9 * mean))
-    estimate = contrast_of_harmonics(fit)
-    # The curve is read at 128 places: 2% of the extremes' curvature is missed at most.
+    fit = fit_curve(POSITION, luminance, np.full(POINTS, 1e-9 * mean))
+    estimate = contrast_of_curve(fit)
+    # The curve is read at 129 places: 2% of the extremes' curvature is missed at most.
     assert estimate.value == pytest.approx(contrast, rel=3e-3)
     assert estimate.low <= estimate.value <= estimate.high
-    assert fit.coefficient[0] == pytest.approx(mean, rel=1e-6)
+    assert fit.mean().value == pytest.approx(mean, rel=1e-5)
 
 
 def test_a_flat_curve_without_noise_has_no_contrast():
-    fit = fit_harmonics(POSITION, np.full(POINTS, 7000.0), np.full(POINTS, 1e-6))
-    assert contrast_of_harmonics(fit).value < 1e-8
+    fit = fit_curve(POSITION, np.full(POINTS, 7000.0), np.full(POINTS, 1e-6))
+    # Errors count as 1e-5 of the luminance at least.
+    assert contrast_of_curve(fit).value < 1e-5
 
 
 def simulated(shape, contrast, sigma, count, seed):
@@ -56,7 +59,7 @@ def simulated(shape, contrast, sigma, count, seed):
     rows = []
     for i in range(count):
         noisy = truth + sigma * rng.standard_normal(POINTS)
-        estimate = contrast_of_harmonics(fit_harmonics(POSITION, noisy, np.full(POINTS, sigma)), i)
+        estimate = contrast_of_curve(fit_curve(POSITION, noisy, np.full(POINTS, sigma)), i)
         rows.append((estimate.low, estimate.high, estimate.value, naive(noisy)))
     return np.array(rows)
 
@@ -81,30 +84,31 @@ def check(shape, contrast, sigma, count):
     # The share shall be 0.93 … 0.97; a count of it scatters: 2.5 binomial sigma.
     assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
     assert share <= 0.97 + 2.5 * np.sqrt(0.97 * 0.03 / count)
-    # Bias of the median below 0.15 of a point's error (the median's own error is 0.02 of it) …
-    assert abs(np.median(rows[:, 2]) - contrast) <= 0.15 * sigma
+    # Bias of the median below 0.15 of a point's error (3σ of the median: 1.25 · 0.35/√count) …
+    slack = 3 * 1.25 * 0.35 / np.sqrt(count)
+    assert abs(np.median(rows[:, 2]) - contrast) <= (0.15 + slack) * sigma
     # … where the plain maximum and minimum of the points overstate it.
     assert np.median(rows[:, 3]) - contrast > 0.4 * sigma
 
 
 @pytest.mark.parametrize(("shape", "contrast", "sigma"), [CASES[0], CASES[4]])
 def test_the_interval_holds_the_truth_as_often_as_it_says(shape, contrast, sigma):
-    check(shape, contrast, sigma, 400)
+    check(shape, contrast, sigma, 80)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("shape", "contrast", "sigma"), CASES)
 def test_the_interval_holds_the_truth_over_many_curves(shape, contrast, sigma):
-    check(shape, contrast, sigma, 2000)
+    check(shape, contrast, sigma, 1000)
 
 
 def test_a_flat_noisy_curve_is_compatible_with_no_contrast():
     sigma = 0.005
-    rows = simulated(cosine, 0.0, sigma, 400, seed=72)
-    assert covered(rows, 0.0) >= 0.95 - 2.5 * np.sqrt(0.95 * 0.05 / 400)
+    rows = simulated(cosine, 0.0, sigma, 80, seed=72)
+    assert covered(rows, 0.0) >= 0.95 - 2.5 * np.sqrt(0.95 * 0.05 / 80)
     assert np.median(rows[:, 2]) <= 0.15 * sigma
     # 2.08 sigma for 33 points of a flat curve: the expected range of 33 normal numbers over 2.
-    assert np.mean(rows[:, 3]) == pytest.approx(2.08 * sigma, rel=0.03)
+    assert np.mean(rows[:, 3]) == pytest.approx(2.08 * sigma, rel=0.06)
 
 
 def test_same_noise_same_result():
@@ -120,7 +124,8 @@ def test_sharp_features_get_more_harmonics():
     sharp = fit_harmonics(POSITION, curve(narrow, 0.05), error)
     smooth = fit_harmonics(POSITION, curve(cosine, 0.05), error)
     assert smooth.harmonics == 4 < sharp.harmonics
-    assert contrast_of_harmonics(sharp).value == pytest.approx(0.05, rel=0.02)
+    found = contrast_of_curve(fit_curve(POSITION, curve(narrow, 0.05), error))
+    assert found.value == pytest.approx(0.05, rel=0.02)
 
 
 def test_the_fit_is_the_weighted_one():
@@ -148,9 +153,7 @@ def test_mean_and_its_error():
 def test_a_curve_read_flatter_than_its_noise_allows_is_no_proof_of_flatness():
     # Exactly flat by chance: the interval must not end at 0 (and stop a trace after one round).
     error = 0.01
-    estimate = contrast_of_harmonics(
-        fit_harmonics(POSITION, np.ones(POINTS), np.full(POINTS, error))
-    )
+    estimate = contrast_of_curve(fit_curve(POSITION, np.ones(POINTS), np.full(POINTS, error)))
     # An amplitude's error is 0.01 √(2/33) = 0.0025.
     assert estimate.value == estimate.low == 0
     assert 0.0025 < estimate.high < 0.02
@@ -160,7 +163,7 @@ def test_an_interval_widens_by_students_t_where_errors_are_uncertain():
     # Errors of 33 points from 2 blocks are known to about 30 degrees, those of one to 17.
     luminance, error = curve(cosine, 0.02), np.full(POINTS, 0.001)
     known, few, many = (
-        contrast_of_harmonics(fit_harmonics(POSITION, luminance, error, blocks))
+        contrast_of_curve(fit_curve(POSITION, luminance, error, blocks))
         for blocks in (np.inf, 2, 240)
     )
     # The ends of 2000 draws are themselves known to 3 % of the half-width.
@@ -179,3 +182,80 @@ def test_uncertain_errors_do_not_ask_for_more_harmonics():
             more[blocks] += fit_harmonics(POSITION, noisy, error, blocks).harmonics > 4
     # 0.6 % of 600 are 4 ± 2; taken as known, errors ask for more ten times as often.
     assert more[2] <= 10 < 20 < more[np.inf]
+
+
+def slope(u):
+    """A window of a finite panel: no period."""
+    return u + 0.6 * cosine(u)
+
+
+def cusps(u):
+    """Lamps seen straight through a film without sheets: steps and kinks."""
+    near = np.abs((u + 0.5) % 1 - 0.5)
+    return 1 - 1.3 * near + 0.8 * (near > 0.25) * (near < 0.4)
+
+
+SHARP = [(slope, 0.018, 0.003), (slope, 0.85, 0.01), (cusps, 0.27, 0.006)]
+
+
+def check_without_period(shape, contrast, sigma, count):
+    rng = np.random.default_rng(76)
+    # The contrast of 33 points: between them a curve with steps is not told.
+    points = shape(POSITION)
+    high, low = points.max(), points.min()
+    truth = 1 + 2 * contrast / ((high - low) - contrast * (high + low)) * points
+    held = 0
+    for i in range(count):
+        noisy = truth + sigma * truth.mean() * rng.standard_normal(POINTS)
+        error = np.full(POINTS, sigma * truth.mean())
+        fit = fit_curve(POSITION, noisy, error, periodic=shape is cusps)
+        assert fit.misfit < 1.5
+        found = contrast_of_curve(fit, i, points=POINTS)
+        held += found.low <= contrast <= found.high
+    assert held / count >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
+
+
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), SHARP)
+def test_curves_without_period_or_with_steps(shape, contrast, sigma):
+    check_without_period(shape, contrast, sigma, 60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), SHARP)
+def test_many_curves_without_period_or_with_steps(shape, contrast, sigma):
+    check_without_period(shape, contrast, sigma, 600)
+
+
+def test_a_step_is_not_smoothed_and_a_period_is_not_made_up():
+    error = np.full(POINTS, 0.002)
+    assert fit_curve(POSITION, curve(cusps, 0.3), error).is_sharp
+    smooth = fit_curve(POSITION, curve(slope, 0.1), error, periodic=False)
+    assert not smooth.is_sharp
+    # A slope of one pitch: with harmonics its ends would meet.
+    ends = smooth.at(0.0).value - smooth.at(1.0).value
+    assert ends == pytest.approx(curve(slope, 0.1)[0] - curve(slope, 0.1)[-1], abs=4 * 0.002)
+
+
+def test_over_many_pitches_the_worst_counts_and_what_repeats_is_shared():
+    position = np.linspace(-2, 3, 161)
+    truth = 1 + 0.005 * cosine(position) - 0.03 * np.exp(-(((position - 1) / 0.8) ** 2))
+    rng = np.random.default_rng(77)
+    sigma = 0.006
+    fit = fit_curve(
+        position, truth + sigma * rng.standard_normal(161), np.full(161, sigma), periodic=False
+    )
+    window = [truth[32 * i : 32 * i + 33] for i in range(5)]
+    wanted = max(naive(one) for one in window)
+    found = contrast_of_curve(fit)
+    assert found.low <= wanted <= found.high
+    # Each pitch on its own would have ± 0.0045.
+    assert found.half_width < 0.0045
+    assert not fit.is_sharp
+
+
+def test_misfit_widens_the_interval():
+    error = np.full(POINTS, 0.001)
+    fit = fit_curve(POSITION, curve(cosine, 0.03), error)
+    assert fit.misfit == 1
+    wide = contrast_of_curve(replace(fit, misfit=2.0))
+    assert wide.half_width == pytest.approx(2 * contrast_of_curve(fit).half_width, rel=0.15)

@@ -5,7 +5,7 @@ import pytest
 from harness import BARE, film_file, groove
 
 from mpfcad.backlight import read_stack
-from mpfcad.measure import contrast_of_harmonics, fit_harmonics, light_film, reach
+from mpfcad.measure import contrast_of_curve, fit_curve, light_film, reach
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_UP
 from mpfcad.optics.engine import trace
 from mpfcad.optics.source import EYE, LAMPS, Source
@@ -84,7 +84,7 @@ def test_intervals_of_the_light_that_comes_out_hold_it(lit):
 
 
 def fit(tally):
-    return fit_harmonics(POSITION, tally.radiance, tally.radiance_error, tally.blocks)
+    return fit_curve(POSITION, tally.radiance, tally.radiance_error, tally.blocks)
 
 
 def held_by(estimates, truth):
@@ -113,10 +113,10 @@ def test_intervals_over_the_pitch_and_of_the_contrast(
     found, total = runs(lit_by(tmp_path, film, stack, thickness), EYE, POSITION, 4)
     check(luminance_held(found, total))
     fits, truth = [fit(t) for t in found], fit(total)
-    check(held_by([one.mean for one in fits], truth.mean.value))
-    everywhere = truth.curve(np.arange(512) / 512)
+    check(held_by([one.mean() for one in fits], truth.mean().value))
+    everywhere = truth.curve
     top, bottom = everywhere.max(), everywhere.min()
-    estimates = [contrast_of_harmonics(one, i) for i, one in enumerate(fits)]
+    estimates = [contrast_of_curve(one, i) for i, one in enumerate(fits)]
     print(f"contrast {(top - bottom) / (top + bottom):.4f}, ± {estimates[0].half_width:.4f}")
     check(held_by(estimates, (top - bottom) / (top + bottom)), least, most)
 

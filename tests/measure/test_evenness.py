@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from mpfcad.measure import contrast_of_harmonics, fit_harmonics, harmonic_amplitude, relative_spread
+from mpfcad.measure import (
+    contrast_of_curve,
+    fit_curve,
+    fit_harmonics,
+    harmonic_amplitude,
+    relative_spread,
+)
 from mpfcad.measure.contrast.contrast import contrast_of_points
 from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, uniformity
 
@@ -55,14 +61,14 @@ def test_the_spreads_interval_covers(amplitude):
 
 def test_nine_points_are_every_fourth_of_the_thirty_three():
     luminance = 1000 * (1 + 0.02 * np.cos(PITCH) + 0.01 * np.cos(3 * PITCH + 0.4))
-    fit = fit_harmonics(U, luminance, np.full(33, 1e-3))
+    fit = fit_curve(U, luminance, np.full(33, 1e-3))
     every = luminance[::4]
     assert len(every) == 9
     exact = (every.max() - every.min()) / (every.max() + every.min())
-    nine = contrast_of_harmonics(fit, points=9)
+    nine = contrast_of_curve(fit, points=9)
     assert nine.value == pytest.approx(exact, abs=1e-5)
-    thirty_three = contrast_of_harmonics(fit, points=33).value
-    assert nine.value <= thirty_three <= contrast_of_harmonics(fit).value + 1e-6
+    thirty_three = contrast_of_curve(fit, points=33).value
+    assert nine.value <= thirty_three <= contrast_of_curve(fit).value + 1e-6
 
 
 def test_screen_points():

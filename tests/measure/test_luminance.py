@@ -6,7 +6,7 @@ from harness import BARE, film_file, groove
 
 from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError, TraceError
-from mpfcad.measure import POINTS, TraceRun, contrast_of_harmonics, light_film, luminance_over_pitch
+from mpfcad.measure import POINTS, TraceRun, contrast_of_curve, light_film, luminance_over_pitch
 
 STACK = "thesis-32in-mpf"
 
@@ -35,7 +35,7 @@ def test_points_span_one_pitch(result):
 
 
 def test_figures_follow_from_the_points(result):
-    assert result.contrast == contrast_of_harmonics(result.fit, 7)
+    assert result.contrast == contrast_of_curve(result.curve, 7)
     error = result.mean_luminance.standard_error
     assert abs(result.mean_luminance.value - result.luminance[:-1].mean()) < 3 * error
     assert result.mean_luminance.low < result.mean_luminance.value < result.mean_luminance.high

@@ -61,7 +61,7 @@ def angular_luminance(lit: Lit, run: TraceRun, error_goal: float) -> AngularResu
     azimuth = np.repeat([0.0, np.pi / 2], n)
     tally = trace_directions(lit, run, polar, azimuth, error_goal)
     across, along = (
-        _curve(tally.radiance[part], tally.radiance_error[part], tally.radiance_freedom, run.seed)
+        _curve(tally.radiance[part], tally.own_error[part], tally.blocks - 1.0, run.seed)
         for part in (slice(0, n), slice(n, 2 * n))
     )
     return AngularResult(across, along, tally.total_paths)

@@ -52,10 +52,10 @@ def conoscope(lit: Lit, run: TraceRun, error_goal: float) -> ConoscopeResult:
     def on_map(values: NDArray) -> NDArray:
         return np.vstack([np.full(spokes, values[0]), values[1:].reshape(rings, spokes)])
 
-    luminance, error = on_map(tally.radiance), on_map(tally.radiance_error)
+    luminance, error = on_map(tally.radiance), on_map(tally.own_error)
     # The normal has weight 0.
     weight = np.concatenate([[0.0], np.repeat(exitance_weight()[1:], spokes)])
-    exitance = estimate_sum(weight, tally.radiance, tally.radiance_error, tally.blocks)
+    exitance = estimate_sum(weight, tally.radiance, tally.own_error, tally.blocks, own=True)
     return ConoscopeResult(POLAR, AZIMUTH, luminance, error, exitance, tally.total_paths)
 
 

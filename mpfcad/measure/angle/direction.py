@@ -10,6 +10,8 @@ from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
 
+#: Directions have errors of their own, which need blocks of their own.
+_LEAST_BLOCKS = 8
 FIGURE = "luminance ± {:.4f} of the largest"
 
 
@@ -20,6 +22,7 @@ def trace_directions(
 
     Each point is averaged over a lamp pitch. Azimuth 0 is along +x, across the lamps. Rounds go on
     until the points' standard errors, root mean square, are `error_goal` of the largest luminance.
+    A direction's error is its `own_error`.
     """
     from mpfcad.optics.source import EYE, Source
 
@@ -35,6 +38,6 @@ def trace_directions(
     )
 
     def error(tally: "Tally") -> float:
-        return float(np.sqrt(np.mean(tally.radiance_error**2)) / np.max(tally.radiance))
+        return float(np.sqrt(np.mean(tally.own_error**2)) / np.max(tally.radiance))
 
-    return trace_rounds(lit, source, run, error, error_goal, FIGURE)
+    return trace_rounds(lit, source, run, error, error_goal, FIGURE, least_blocks=_LEAST_BLOCKS)

@@ -1,11 +1,12 @@
 """Lamp-Mura contrast from noisy luminances, without the bias of a noisy maximum and minimum.
 
 Contrast is (Lmax - Lmin)/(Lmax + Lmin) over one lamp pitch (Hsieh, MPF thesis, eq. 10). Maximum and
-minimum of 33 noisy points overstate it by about two standard errors. Here the curve is a Fourier
-series of the pitch fitted to all points; what bias is left in the fitted curve's contrast is taken
-out by asking which true contrast gives, with noise of the fit's covariance, the contrast read as
-its median (estimate), 97.5th and 2.5th percentile (ends of the 95 % interval). The answer depends
-on the curve's shape, which is known only as well as the fit: each draw has a shape of its own.
+minimum of 33 noisy points overstate it by about two standard errors. Here the curve is one fitted
+to all points (`curve`); what bias is left in its contrast is taken out by asking which true
+contrast gives, with the points' noise, the contrast read as its median (estimate), 97.5th and
+2.5th percentile (ends of the 95 % interval). The answer depends on the curve's shape, which is
+known only as well as the fit: each draw has a shape of its own. Of several pitches the worst
+counts.
 """
 
 from collections.abc import Callable
@@ -15,91 +16,94 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast.fit import HarmonicFit, basis
+from mpfcad.measure.contrast.curve import CurveFit
 from mpfcad.measure.estimate import TAIL, Estimate, wobble
 
-_DRAWS = 2000
-_POINTS_A_HARMONIC = 32
-_GRID = 17
+_DRAWS = 1000
+_GRID = 13
 _STEPS = 1024
 _NORMAL = NormalDist()
 
 
-def contrast_of_harmonics(
-    fit: HarmonicFit, seed: int = 0, *, points: int | None = None
-) -> Estimate:
+def contrast_of_curve(fit: CurveFit, seed: int = 0, *, points: int | None = None) -> Estimate:
     """Return the lamp-Mura contrast of a fitted curve, median-unbiased, with its 95 % interval.
 
-    `points`: the curve is read at so many, from one lamp to the next, both included; None for
-    everywhere. The noise draws are fixed by `seed`; the result is deterministic.
+    Of a curve over several pitches it is that of the worst one. `points`: the curve is read at so
+    many a pitch, from one lamp to the next, both included; None for all readings. The noise draws
+    are fixed by `seed`; the result is deterministic.
     """
-    fine = _POINTS_A_HARMONIC * fit.harmonics
-    position = np.arange(fine) / fine if points is None else np.linspace(0, 1, points)
-    reader = _Reader.of(fit, position)
+    window = fit.window
+    if points is not None:
+        window = window[:, :: (window.shape[1] - 1) // (points - 1)]
+    return _contrast_within(fit, window, seed)
+
+
+def contrasts_of_pitches(fit: CurveFit, seed: int = 0) -> list[Estimate]:
+    """Return the contrast of each pitch of a curve on its own."""
+    return [_contrast_within(fit, window[None], seed) for window in fit.window]
+
+
+def _contrast_within(fit: CurveFit, window: NDArray[np.int64], seed: int) -> Estimate:
     rng = np.random.Generator(np.random.Philox(seed))
-    root = np.linalg.cholesky(fit.covariance)
-    noise, other = (rng.standard_normal((_DRAWS, len(fit.coefficient))) @ root.T for _ in range(2))
+    draws = _DRAWS if len(fit.window) == 1 else _DRAWS // 2
+    shape = fit.draw(rng, draws)
+    shape -= shape.mean(axis=1, keepdims=True)
+    at = np.searchsorted(fit.reading, fit.position - 1e-9)
+    noise = rng.standard_normal((draws, len(fit.error))) * (fit.misfit * fit.error)
     # What the reading's error is known to: that of the difference of its two ends.
-    high, low = reader.places(fit.coefficient[None])[:, 0]
-    noise *= wobble(rng, _DRAWS, fit.freedom(high - low))
-    shape = _plausible_shapes(fit, other, rng)
-    curve = shape @ reader.at.T
-    ends = curve.max(axis=1), curve.min(axis=1)
-    level = np.zeros_like(fit.coefficient)
-    level[0] = fit.coefficient[0]
-    return unbiased(reader.contrast, fit.coefficient, level, shape, ends, noise)
+    high, low = _worst_places(fit.curve, window)
+    noise *= wobble(rng, draws, fit.freedom(fit.gain[high] - fit.gain[low]))
+    curve = fit.curve
+    reader = _Windows(window, float(curve.mean()))
+    return reader.unbiased(curve, shape, shape[:, at] @ fit.gain.T, noise @ fit.gain.T)
+
+
+def _worst_places(curve: NDArray[np.float64], window: NDArray[np.int64]) -> tuple[int, int]:
+    """Return where a curve is highest and lowest in the pitch of most contrast."""
+    worst = window[int(np.argmax(_contrast(curve[window])))]
+    return worst[np.argmax(curve[worst])], worst[np.argmin(curve[worst])]
 
 
 @dataclass(frozen=True, eq=False)
-class _Reader:
-    """Reads curves' contrast off their coefficients.
+class _Windows:
+    """Reads the worst contrast of curves (n, k) over windows (w, m) of their readings."""
 
-    Attributes
-    ----------
-    at
-        (k, 1+2h) float64, the basis at the places where a curve is read
-    variance
-        (h,) float64 [cd²/m⁴], of the noise in a coefficient of each harmonic
-    """
+    window: NDArray[np.int64]
+    mean: float
 
-    at: NDArray[np.float64]
-    variance: NDArray[np.float64]
+    def read(self, curve: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the contrast of the worst window of each curve, (n,)."""
+        return _contrast(curve[:, self.window]).max(axis=1)
 
-    @classmethod
-    def of(cls, fit: HarmonicFit, position: NDArray[np.float64]) -> "_Reader":
-        """Return the reader of curves with a fit's noise at positions in pitches."""
-        variance = np.diag(fit.covariance)[1:].reshape(-1, 2).mean(axis=1)
-        return cls(basis(position, fit.harmonics), variance)
+    def unbiased(
+        self,
+        seen: NDArray[np.float64],
+        shape: NDArray[np.float64],
+        smoothed: NDArray[np.float64],
+        noise: NDArray[np.float64],
+    ) -> Estimate:
+        """Return the true contrasts of which, with noise, that of a curve `seen` (k,) is read.
 
-    def places(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the basis where curves (n, 1+2h) are highest and lowest, (2, n, 1+2h).
-
-        These are places of the curves with each harmonic shrunk by the noise in it, for the highest
-        place of the curves themselves is one of high noise too.
+        shape: (draws, k) without level; smoothed: the same as the fit would read them; noise: what
+        the fit reads of noise alone.
         """
-        pair = coefficient[:, 1:].reshape(len(coefficient), -1, 2)
-        power = np.einsum("nhk,nhk->nh", pair, pair) / self.variance
-        kept = np.repeat(1 - mean_share(power), 2, axis=1)
-        shrunk = (coefficient[:, 1:] * kept) @ self.at[:, 1:].T
-        return self.at[[shrunk.argmax(axis=1), shrunk.argmin(axis=1)]]
+        within = shape[:, self.window]
+        top, bottom = within.max(axis=2), within.min(axis=2)
 
-    def contrast(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the contrast between those places of curves (n, 1+2h), (n,)."""
-        high, low = np.einsum("enh,nh->en", self.places(coefficient), coefficient)
-        return (high - low) / (high + low)
+        def readings(contrast: float) -> NDArray[np.float64]:
+            scale = _scale(contrast, self.mean, top, bottom).min(axis=1)
+            return self.read(scale[:, None] * smoothed + noise + self.mean)
+
+        return _invert(float(self.read(seen[None])[0]), readings)
 
 
-def _plausible_shapes(
-    fit: HarmonicFit, noise: NDArray[np.float64], rng: np.random.Generator
+def _scale(
+    contrast: float, mean: float, top: NDArray[np.float64], bottom: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return coefficients that the fitted ones may stand for, (draws, 1+2h), without the mean."""
-    shape = np.zeros_like(noise)
-    for first in range(1, len(fit.coefficient), 2):
-        pair = slice(first, first + 2)
-        seen = fit.coefficient[pair]
-        power = seen @ np.linalg.solve(fit.covariance[pair, pair], seen)
-        shape[:, pair] = plausible(seen, power, noise[:, pair], rng)
-    return shape
+    """Return the factors with which shapes of such ends about a mean have a contrast."""
+    # At few places a shape can lie above its mean at all of them.
+    span = np.maximum((top - bottom) - contrast * (top + bottom), 0.1 * (top - bottom))
+    return 2 * contrast * mean / span
 
 
 def contrast_of_points(
@@ -123,13 +127,16 @@ def contrast_of_points(
     ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
     noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
     power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
-    shapes = plausible(shape, power, other, rng)
-    ends = shapes.max(axis=1), shapes.min(axis=1)
-    level = np.full(len(luminance), luminance.mean())
-    return unbiased(_contrast, luminance, level, shapes, ends, noise)
+    shapes = _plausible(shape, power, other, rng)
+    top, bottom, mean = shapes.max(axis=1), shapes.min(axis=1), float(luminance.mean())
+
+    def readings(contrast: float) -> NDArray[np.float64]:
+        return _contrast(_scale(contrast, mean, top, bottom)[:, None] * shapes + noise + mean)
+
+    return _invert(float(_contrast(luminance)), readings)
 
 
-def plausible(
+def _plausible(
     read: NDArray[np.float64], power: float, noise: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Return true values that noisy ones may stand for, (draws, m).
@@ -150,35 +157,8 @@ def plausible(
     return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
 
 
-def mean_share(power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean of κ of `plausible` for pairs of such a power."""
-    s = np.maximum(power / 2, 1e-3)
-    left = np.exp(-s)
-    return (2 - (s * s + 2 * s + 2) * left) / (s * (1 - (1 + s) * left))
-
-
-def unbiased(
-    read: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-    seen: NDArray[np.float64],
-    level: NDArray[np.float64],
-    shape: NDArray[np.float64],
-    ends: tuple[NDArray[np.float64], NDArray[np.float64]],
-    noise: NDArray[np.float64],
-) -> Estimate:
-    """Return the true contrasts of which, with noise, that of `seen` is read.
-
-    read: from (n, m) to contrasts (n,); seen: (m,) [cd/m²]; level: (m,), the same without any
-    contrast; shape, noise: (draws, m); ends: (draws,), each shape's highest and lowest [cd/m²].
-    """
-    value, mean = float(read(seen[None])[0]), level[0]
-    (top, bottom), noise = ends, level + noise
-
-    def readings(contrast: float) -> NDArray[np.float64]:
-        """Return what the draws read, each about its shape with a true contrast, (draws,)."""
-        # At few places a shape can lie above its mean at all of them.
-        span = np.maximum((top - bottom) - contrast * (top + bottom), 0.1 * (top - bottom))
-        return read((2 * contrast * mean / span)[:, None] * shape + noise)
-
+def _invert(value: float, readings: Callable[[float], NDArray[np.float64]]) -> Estimate:
+    """Return the true contrasts of which `value` is read; `readings`: what draws read of one."""
     # A curve read flatter than most flat ones are would get an interval the shorter, the luckier
     # the reading, down to [0, 0]: it gets that of the median flat one (Cowan, Cranmer, Gross and
     # Vitells, "Power-constrained limits", 2011).
@@ -187,8 +167,10 @@ def unbiased(
     # distribution does nearly: straight in its quantiles, so a coarse grid is enough.
     spread = float(np.std(readings(value)))
     grid = np.linspace(max(0.0, value - 6 * spread), min(1.0, value + 6 * spread), _GRID)
-    below = np.array([np.mean(readings(c) < value) for c in grid])
-    below = np.clip(np.minimum.accumulate(below), 0.5 / _DRAWS, 1 - 0.5 / _DRAWS)
+    read = [readings(c) for c in grid]
+    below = np.array([np.mean(one < value) for one in read])
+    least = 0.5 / len(read[0])
+    below = np.clip(np.minimum.accumulate(below), least, 1 - least)
     quantile = [-_NORMAL.inv_cdf(s) for s in below]
 
     def contrast_where(wanted: float) -> float:

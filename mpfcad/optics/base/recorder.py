@@ -67,14 +67,27 @@ class Tally(NamedTuple):
         points, which counts as `_SHARED` degrees (Smyth, "Linear models and empirical Bayes
         methods", 2004). Of a single block the paths' own variance is taken, which is too large.
         """
+        return self._error(_SHARED)
+
+    @property
+    def own_error(self) -> NDArray[np.float64]:
+        """Standard error of `radiance` from each point's own blocks alone, (p,) float64 [cd/m²].
+
+        For points that differ in what nets save, such as directions: a bare plate's ratio of
+        variances is 100 times smaller along the normal than at 70°. It has blocks - 1 degrees of
+        freedom.
+        """
+        return self._error(0)
+
+    def _error(self, shared: int) -> NDArray[np.float64]:
         paths, blocks = self.paths, self.blocks
         variance = np.maximum(0.0, self.score2 / paths - self.radiance**2)
         if blocks == 1:
             return np.sqrt(variance / max(1, paths - 1))
         of_blocks = _variance(self.score, self.block2, blocks) * blocks / paths
         ratio = of_blocks / np.where(variance > 0, variance, np.inf)
-        shared = ratio.sum() / max(1, np.count_nonzero(variance))
-        ratio = ((blocks - 1) * ratio + _SHARED * shared) / (blocks - 1 + _SHARED)
+        mean = ratio.sum() / max(1, np.count_nonzero(variance))
+        ratio = ((blocks - 1) * ratio + shared * mean) / (blocks - 1 + shared)
         return np.sqrt(ratio * variance / paths)
 
     @property
@@ -99,18 +112,21 @@ class Tally(NamedTuple):
         return float(self.blocks - 1)
 
 
-def freedom_of_sum(weight: NDArray[np.float64], error: NDArray[np.float64], blocks: float) -> float:
+def freedom_of_sum(
+    weight: NDArray[np.float64], error: NDArray[np.float64], blocks: float, *, own: bool = False
+) -> float:
     """Return the degrees of freedom of the error √Σ(weight · error)² of a weighted sum of points.
 
-    weight, error: (p,) float64, error the `radiance_error` of a tally of `blocks` blocks (inf:
-    errors that are known). Without any error it is that of a single point.
+    weight, error: (p,) float64, error the `radiance_error`, or with `own` the `own_error`, of a
+    tally of `blocks` blocks (inf: errors that are known). Without any error it is that of a single
+    point.
     """
     part = (weight * error) ** 2
     own = np.sum((part / part.sum()) ** 2) if part.sum() > 0 else 1.0
     return _pooled_freedom(float(own), int(np.count_nonzero(error)), blocks)
 
 
-def _pooled_freedom(own: float, points: int, blocks: float) -> float:
+def _pooled_freedom(own: float, points: int, blocks: float, shared: int = _SHARED) -> float:
     """Return the degrees of freedom of a variance whose parts come from points with pooled errors.
 
     own: Σ q² of the points' shares q in the variance, 1 for a single point.
@@ -126,7 +142,7 @@ def _pooled_freedom(own: float, points: int, blocks: float) -> float:
     """
     if blocks == 1 or np.isinf(blocks):
         return np.inf
-    d, pooled = blocks - 1, blocks - 1 + _SHARED
+    d, pooled = blocks - 1, blocks - 1 + shared
     return float(1 / (own / pooled + (1 / d - 1 / pooled) / max(points, 1)))
 
 

@@ -117,6 +117,8 @@ def examine(
     )  # fmt: skip
     progress.stage("tracing film.stl")
     lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+    if lit.spot.is_rounded:
+        progress.note(lit.spot.note)
     luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)

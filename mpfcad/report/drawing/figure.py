@@ -102,17 +102,9 @@ def film_figure(
 
 
 def fitted_curve(found: dict[str, Any], position: np.ndarray) -> np.ndarray:
-    """Return the curve [cd/m²] that the contrast of a trace is read from, at positions [pitch]."""
-    return fourier(position, found["fit"]["coefficient_cd_m2"])
-
-
-def fourier(position: np.ndarray, coefficient: list[float]) -> np.ndarray:
-    """Return mean + Σ a cos 2πhu + b sin 2πhu at positions u in pitches."""
-    value = np.full_like(position, coefficient[0])
-    for h in range(1, len(coefficient) // 2 + 1):
-        angle = 2 * np.pi * h * position
-        value += coefficient[2 * h - 1] * np.cos(angle) + coefficient[2 * h] * np.sin(angle)
-    return value
+    """Return the fitted luminance [cd/m²] of a trace at positions, straight between its points."""
+    at = found["luminance"]["position_pitch"]
+    return np.interp(position, at, found["curve"]["luminance_cd_m2"])
 
 
 def _add_band(

@@ -1,0 +1,110 @@
+"""Functions that a luminance curve is made of: waves, each of a prior variance by its frequency."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Largest frequency [1/pitch]: points stand 1/32 apart.
+_HIGHEST = 16
+#: How far beyond its ends [pitch] a curve without period is described.
+_MARGIN = 0.5
+#: A curve repeats visibly over so many pitches.
+_LEAST_PITCHES = 3
+
+
+class Spectrum(NamedTuple):
+    """How the variance of a curve's waves falls with frequency f [1/pitch].
+
+    `roughness` ν: (1 + (f/cutoff)²)^(-ν-1/2), of Matérn's process; inf: exp(-(f/cutoff)²/2).
+    """
+
+    roughness: float
+    cutoff: float
+
+    def density(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the relative variance at frequencies (p,)."""
+        square = (frequency / self.cutoff) ** 2
+        if np.isinf(self.roughness):
+            return np.exp(-square / 2)
+        return (1 + square) ** (-self.roughness - 0.5)
+
+
+#: From what has one wave over the pitch to what changes from point to point.
+SPECTRA = tuple(
+    [Spectrum(1.5, f) for f in (0.5, 2.0, 8.0)]
+    + [Spectrum(np.inf, f) for f in (0.75, 1.25, 2.0, 3.0, 5.0)]
+)
+
+
+class Choice(NamedTuple):
+    """The prior of one group of waves: number in `SPECTRA`, variance over that of the noise."""
+
+    spectrum: int
+    variance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Waves at the points and where the curve is read.
+
+    Attributes
+    ----------
+    at_points, at_reading
+        (n, p), (k, p) float64, the waves' values
+    frequency
+        (p,) float64 [1/pitch]
+    groups
+        of bool (p,): waves that share a spectrum
+    """
+
+    at_points: NDArray[np.float64]
+    at_reading: NDArray[np.float64]
+    frequency: NDArray[np.float64]
+    groups: tuple[NDArray[np.bool_], ...]
+
+    def variance(self, choices: tuple[Choice, ...], noise: float) -> NDArray[np.float64]:
+        """Return the prior variance of each wave, (p,), with `noise` as the unit."""
+        return sum(self._unit(g, c.spectrum) * (noise * c.variance) for g, c in enumerate(choices))
+
+    def _unit(self, group: int, spectrum: int) -> NDArray[np.float64]:
+        """Return a group's variances so that the points' own is 1 in the mean."""
+        if (group, spectrum) not in self._units:
+            density = np.where(self.groups[group], SPECTRA[spectrum].density(self.frequency), 0.0)
+            mean = np.mean(self.at_points**2 @ density)
+            self._units[group, spectrum] = density / mean
+        return self._units[group, spectrum]
+
+    @cached_property
+    def _units(self) -> dict[tuple[int, int], NDArray[np.float64]]:
+        return {}
+
+
+def build_basis(
+    position: NDArray[np.float64], reading: NDArray[np.float64], *, periodic: bool
+) -> Basis:
+    """Return the waves of a curve; positions in pitches, ascending.
+
+    A curve that repeats with the pitch has its harmonics. One that does not has cosines over its
+    length and a margin ("Hilbert space methods for reduced-rank Gaussian process regression", Solin
+    and Särkkä, 2020); over three pitches and more also the harmonics that all of it shares.
+    """
+    first, length = position[0] - _MARGIN, np.ptp(position) + 2 * _MARGIN
+    waves, frequency, group = [], [], []
+    if periodic or np.ptp(position) > _LEAST_PITCHES - 0.5:
+        order = np.arange(1, _HIGHEST + 1)
+        for wave in (np.cos, np.sin):
+            waves.append(lambda x, w=wave: w(2 * np.pi * x[:, None] * order))
+            frequency.append(order)
+            group.append(np.zeros(len(order), int))
+    if not periodic:
+        number = np.arange(1, round(2 * _HIGHEST * length) + 1)
+        waves.append(lambda x: np.cos(np.pi * (x[:, None] - first) / length * number))
+        frequency.append(number / (2 * length))
+        group.append(np.ones(len(number), int))
+    at = [np.hstack([wave(x) for wave in waves]) for x in (position, reading)]
+    number = np.concatenate(group)
+    groups = tuple(number == g for g in np.unique(number))
+    return Basis(*at, np.concatenate(frequency).astype(float), groups)
