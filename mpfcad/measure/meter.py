@@ -33,7 +33,7 @@ class Spot:
     @property
     def note(self) -> str:
         """The rounding in words."""
-        return f"meter_spot_mm: {self.asked:g}: rounded to whole grooves of the film: {self.width:g} mm"
+        return f"meter_spot_mm: {self.asked:g}: rounded to whole grooves: {self.width:g} mm"
 
     def describe(self) -> dict[str, float]:
         """Return both in outside names."""

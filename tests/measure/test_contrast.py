@@ -185,12 +185,12 @@ def test_uncertain_errors_do_not_ask_for_more_harmonics():
 
 
 def slope(u):
-    """A window of a finite panel: no period."""
+    """Return a window of a finite panel: no period."""
     return u + 0.6 * cosine(u)
 
 
 def cusps(u):
-    """Lamps seen straight through a film without sheets: steps and kinks."""
+    """Return lamps seen straight through a film without sheets: steps and kinks."""
     near = np.abs((u + 0.5) % 1 - 0.5)
     return 1 - 1.3 * near + 0.8 * (near > 0.25) * (near < 0.4)
 

@@ -33,7 +33,7 @@ def held(scene, runs, truth=None):
 
 
 def slack(runs):
-    """2.5 sigma of a count: one of nine directions in ten goes beyond 2.5 by chance."""
+    """Return 2.8 sigma of a count: one of nine directions goes beyond by chance in 20 tests."""
     return 2.8 * np.sqrt(0.05 * 0.95 / runs)
 
 
@@ -42,7 +42,7 @@ def bare_plate():
 
 
 def plate_transmittance():
-    """(1-R)/(1+R) of all reflections in a plate without loss, averaged over the cone of 1°."""
+    """Return (1-R)/(1+R) of a plate without loss, averaged over the cone of 1°."""
     cosine = np.cos(ANGLES)
     spread = np.linspace(-1, 1, 401) * np.radians(1.0)
     weight = np.sqrt(np.maximum(0, 1 - (spread / spread[-1]) ** 2))
