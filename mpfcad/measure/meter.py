@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 POINTS = 33
 #: Tips are what rises above this share of the relief; the spacing of equal ones scatters less.
 _TIP, _EVEN = 0.5, 0.02
+#: Spots are alike within such a share of a groove.
+_SAME = 1e-3
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,9 @@ def meter_spot(stack: Stack, mesh: "FilmMesh | None") -> Spot:
     pitch = None if mesh is None else groove_pitch(mesh)
     if pitch is None or asked == 0:
         return Spot(asked, asked)
-    return Spot(max(1, round(asked / pitch)) * pitch, asked)
+    width = max(1, round(asked / pitch)) * pitch
+    # A mesh's float32 is no other width.
+    return Spot(asked if abs(width - asked) < _SAME * pitch else width, asked)
 
 
 def groove_pitch(mesh: "FilmMesh") -> float | None:

@@ -102,7 +102,7 @@ def test_the_map_and_the_curves_are_one(lit):
             at = [middle + side * i for i in range(1, 17)]
             error = np.hypot(curve.standard_error[at], found.standard_error[1:17, spoke])
             away = (curve.luminance[at] - found.luminance[1:17, spoke]) / error
-            # 64 comparisons, as improbable as 4 sigma each: by Student's t of the blocks' 7 degrees.
+            # 64 comparisons, as improbable as 4 sigma each: Student's t of 7 degrees.
             assert np.abs(away).max() < stdtrit(7, ndtr(4))
 
 
