@@ -67,7 +67,10 @@ class Basis:
 
     def variance(self, choices: tuple[Choice, ...], noise: float) -> NDArray[np.float64]:
         """Return the prior variance of each wave, (p,), with `noise` as the unit."""
-        return sum(self._unit(g, c.spectrum) * (noise * c.variance) for g, c in enumerate(choices))
+        found = np.zeros(len(self.frequency))
+        for group, choice in enumerate(choices):
+            found += self._unit(group, choice.spectrum) * (noise * choice.variance)
+        return found
 
     def _unit(self, group: int, spectrum: int) -> NDArray[np.float64]:
         """Return a group's variances so that the points' own is 1 in the mean."""
@@ -91,20 +94,32 @@ def build_basis(
     length and a margin ("Hilbert space methods for reduced-rank Gaussian process regression", Solin
     and Särkkä, 2020); over three pitches and more also the harmonics that all of it shares.
     """
-    first, length = position[0] - _MARGIN, np.ptp(position) + 2 * _MARGIN
-    waves, frequency, group = [], [], []
-    if periodic or np.ptp(position) > _LEAST_PITCHES - 0.5:
-        order = np.arange(1, _HIGHEST + 1)
-        for wave in (np.cos, np.sin):
-            waves.append(lambda x, w=wave: w(2 * np.pi * x[:, None] * order))
-            frequency.append(order)
-            group.append(np.zeros(len(order), int))
-    if not periodic:
-        number = np.arange(1, round(2 * _HIGHEST * length) + 1)
-        waves.append(lambda x: np.cos(np.pi * (x[:, None] - first) / length * number))
-        frequency.append(number / (2 * length))
-        group.append(np.ones(len(number), int))
-    at = [np.hstack([wave(x) for wave in waves]) for x in (position, reading)]
-    number = np.concatenate(group)
-    groups = tuple(number == g for g in np.unique(number))
-    return Basis(*at, np.concatenate(frequency).astype(float), groups)
+    ends = float(position[0]) - _MARGIN, float(np.ptp(position)) + 2 * _MARGIN
+    shared = periodic or np.ptp(position) > _LEAST_PITCHES - 0.5
+
+    def waves(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        parts = [_harmonics(x)] if shared else []
+        return np.hstack(parts if periodic else [*parts, _cosines(x, *ends)])
+
+    order = np.arange(1, _HIGHEST + 1).astype(float)
+    number = np.arange(1, _cosine_count(ends[1]) + 1)
+    frequency = [order, order] if shared else []
+    frequency += [] if periodic else [number / (2 * ends[1])]
+    found = np.concatenate(frequency)
+    is_shared = np.arange(len(found)) < (2 * _HIGHEST if shared else 0)
+    groups = tuple(group for group in (is_shared, ~is_shared) if group.any())
+    return Basis(waves(position), waves(reading), found, groups)
+
+
+def _harmonics(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    angle = 2 * np.pi * x[:, None] * np.arange(1, _HIGHEST + 1)
+    return np.hstack([np.cos(angle), np.sin(angle)])
+
+
+def _cosine_count(length: float) -> int:
+    return round(2 * _HIGHEST * length)
+
+
+def _cosines(x: NDArray[np.float64], first: float, length: float) -> NDArray[np.float64]:
+    number = np.arange(1, _cosine_count(length) + 1)
+    return np.cos(np.pi * (x[:, None] - first) / length * number)

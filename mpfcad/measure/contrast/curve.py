@@ -188,15 +188,14 @@ def _likelihoods(
         return found
     # Two groups: one part after the other, twice.
     best = [Choice(len(SPECTRA) - 2, sizes[_STEPS // 3])] * 2
+
+    def take_best(group: int, ways: list[Choice]) -> None:
+        trials = [(*best[:group], way, *best[group + 1 :]) for way in ways]
+        best[:] = max(trials, key=lambda trial: (likelihood(trial), trial))
+
     for group in (0, 1, 0, 1):
-        for part in ("variance", "spectrum"):
-            trials = sizes if part == "variance" else range(len(SPECTRA))
-            ways = []
-            for trial in trials:
-                way = list(best)
-                way[group] = way[group]._replace(**{part: trial})
-                ways.append((likelihood(tuple(way)), way))
-            best = max(ways)[1]
+        take_best(group, [best[group]._replace(variance=size) for size in sizes])
+        take_best(group, [best[group]._replace(spectrum=i) for i in range(len(SPECTRA))])
     return found
 
 

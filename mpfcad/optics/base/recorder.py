@@ -122,8 +122,9 @@ def freedom_of_sum(
     point.
     """
     part = (weight * error) ** 2
-    own = np.sum((part / part.sum()) ** 2) if part.sum() > 0 else 1.0
-    return _pooled_freedom(float(own), int(np.count_nonzero(error)), blocks)
+    shares = float(np.sum((part / part.sum()) ** 2)) if part.sum() > 0 else 1.0
+    points = int(np.count_nonzero(error))
+    return _pooled_freedom(shares, points, blocks, 0 if own else _SHARED)
 
 
 def _pooled_freedom(own: float, points: int, blocks: float, shared: int = _SHARED) -> float:
