@@ -21,7 +21,7 @@ def stack_rows(folder, quick, present):
     """
     from mpfcad.backlight import read_stack
     from mpfcad.backlight.lower import lower_stack
-    from mpfcad.measure import contrast_of_harmonics, fit_harmonics
+    from mpfcad.measure import contrast_of_curve, fit_curve
     from mpfcad.optics.engine import trace
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.solid.mesh import read_film_mesh
@@ -36,8 +36,8 @@ def stack_rows(folder, quick, present):
     blocks = 60 if quick else 240
     trace(scene, source, 1)
     tally, cpu = spent(lambda: trace(scene, source, blocks, seed=2))
-    fit = fit_harmonics(position, tally.radiance, tally.radiance_error, tally.blocks)
-    reached = contrast_of_harmonics(fit).half_width
+    fit = fit_curve(position, tally.radiance, tally.radiance_error, tally.blocks)
+    reached = contrast_of_curve(fit).half_width
     mine = cpu * (reached / 0.001) ** 2
     name = "MPF stack, CPU to contrast half-width 0.001, beside Mitsuba"
     if not present["mitsuba"]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast.contrast import mean_share, plausible, unbiased
+from mpfcad.measure.contrast.bias import mean_share, plausible, unbiased
 from mpfcad.measure.estimate import Estimate, wobble
 
 _DRAWS = 2000
@@ -100,7 +100,7 @@ class CellSeries:
 
         Over the whole cell, or at the places (u, v) alone. As for stripes: of the noisy series'
         highest and lowest place, each harmonic shrunk by its noise, and of the true contrasts that
-        give such a reading (`contrast_of_harmonics`). Draws are fixed by `seed`.
+        give such a reading (`contrast.bias`). Draws are fixed by `seed`.
         """
         if u is None or v is None:
             fine = np.arange(_FINE) / _FINE

@@ -9,20 +9,16 @@ known only as well as the fit: each draw has a shape of its own. Of several pitc
 counts.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.measure.contrast.bias import invert, plausible, scale
 from mpfcad.measure.contrast.curve import CurveFit
-from mpfcad.measure.estimate import TAIL, Estimate, wobble
+from mpfcad.measure.estimate import Estimate, wobble
 
 _DRAWS = 1000
-_GRID = 13
-_STEPS = 1024
-_NORMAL = NormalDist()
 
 
 def contrast_of_curve(fit: CurveFit, seed: int = 0, *, points: int | None = None) -> Estimate:
@@ -91,19 +87,10 @@ class _Windows:
         top, bottom = within.max(axis=2), within.min(axis=2)
 
         def readings(contrast: float) -> NDArray[np.float64]:
-            scale = _scale(contrast, self.mean, top, bottom).min(axis=1)
-            return self.read(scale[:, None] * smoothed + noise + self.mean)
+            size = scale(contrast, self.mean, top, bottom).min(axis=1)
+            return self.read(size[:, None] * smoothed + noise + self.mean)
 
-        return _invert(float(self.read(seen[None])[0]), readings)
-
-
-def _scale(
-    contrast: float, mean: float, top: NDArray[np.float64], bottom: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the factors with which shapes of such ends about a mean have a contrast."""
-    # At few places a shape can lie above its mean at all of them.
-    span = np.maximum((top - bottom) - contrast * (top + bottom), 0.1 * (top - bottom))
-    return 2 * contrast * mean / span
+        return invert(float(self.read(seen[None])[0]), readings)
 
 
 def contrast_of_points(
@@ -127,56 +114,13 @@ def contrast_of_points(
     ends[[np.argmax(luminance), np.argmin(luminance)]] = 1, -1
     noise *= wobble(rng, _DRAWS, freedom_of_sum(ends, error, blocks))
     power = float(np.sum((shape / np.maximum(error, 1e-12 * luminance.max())) ** 2))
-    shapes = _plausible(shape, power, other, rng)
+    shapes = plausible(shape, power, other, rng)
     top, bottom, mean = shapes.max(axis=1), shapes.min(axis=1), float(luminance.mean())
 
     def readings(contrast: float) -> NDArray[np.float64]:
-        return _contrast(_scale(contrast, mean, top, bottom)[:, None] * shapes + noise + mean)
+        return _contrast(scale(contrast, mean, top, bottom)[:, None] * shapes + noise + mean)
 
-    return _invert(float(_contrast(luminance)), readings)
-
-
-def _plausible(
-    read: NDArray[np.float64], power: float, noise: NDArray[np.float64], rng: np.random.Generator
-) -> NDArray[np.float64]:
-    """Return true values that noisy ones may stand for, (draws, m).
-
-    read: (m,), |read|² = `power` in units of the noise; noise: (draws, m) that such values have.
-
-    The truth is taken as normal about 0, with the share κ of noise in what is read as likely here
-    as there in (0, 1) (Strawderman, "Proper Bayes minimax estimators of the multivariate normal
-    mean", 1971). Once read, κ has the density κ^(m/2) exp(-κ·power/2), and the truth given κ is
-    normal about (1-κ)·read with 1-κ times the noise's covariance. Taken as read, the shape of a
-    noisy curve is rougher than the truth; taken as certain once shrunk, intervals are too narrow.
-    """
-    a, s = len(read) / 2 + 1, power / 2
-    end = 1.0 if s == 0 else min(1.0, (a + 8 * np.sqrt(a) + 20) / s)
-    step = (np.arange(_STEPS) + 0.5) / _STEPS * end
-    share = np.cumsum(step ** (a - 1) * np.exp(-step * s))
-    kappa = np.interp(rng.random((len(noise), 1)) * share[-1], share, step)
-    return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
-
-
-def _invert(value: float, readings: Callable[[float], NDArray[np.float64]]) -> Estimate:
-    """Return the true contrasts of which `value` is read; `readings`: what draws read of one."""
-    # A curve read flatter than most flat ones are would get an interval the shorter, the luckier
-    # the reading, down to [0, 0]: it gets that of the median flat one (Cowan, Cranmer, Gross and
-    # Vitells, "Power-constrained limits", 2011).
-    value = max(value, float(np.median(readings(0.0))))
-    # The share of draws that read less than seen falls with the true contrast, as a normal
-    # distribution does nearly: straight in its quantiles, so a coarse grid is enough.
-    spread = float(np.std(readings(value)))
-    grid = np.linspace(max(0.0, value - 6 * spread), min(1.0, value + 6 * spread), _GRID)
-    read = [readings(c) for c in grid]
-    below = np.array([np.mean(one < value) for one in read])
-    least = 0.5 / len(read[0])
-    below = np.clip(np.minimum.accumulate(below), least, 1 - least)
-    quantile = [-_NORMAL.inv_cdf(s) for s in below]
-
-    def contrast_where(wanted: float) -> float:
-        return float(np.interp(-_NORMAL.inv_cdf(wanted), quantile, grid))
-
-    return Estimate.within(*(contrast_where(q) for q in (0.5, 1 - TAIL, TAIL)))
+    return invert(float(_contrast(luminance)), readings)
 
 
 def _contrast(curve: NDArray[np.float64]) -> NDArray[np.float64]:
