@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from mpfcad.cad import check_3mf, check_ply, write_3mf, write_ply
+from mpfcad.cad.check.section_file import check_section_3mf, check_section_ply
+from mpfcad.cad.file.ply import write_section_ply
+from mpfcad.cad.file.threemf import write_3mf_meshes
+from mpfcad.cad.shape.section_mesh import build_section_mesh
 from mpfcad.errors import ExportError
+from mpfcad.film import Imperfection, MadeFilm
 from mpfcad.units import deg
 
 TOLERANCE = 0.5 * deg
@@ -104,3 +109,18 @@ def test_another_film_is_refused(make_film, tmp_path):
         check_ply(tmp_path / "film.3mf", film)
     with pytest.raises(ExportError, match="read"):
         check_3mf(tmp_path / "film.ply", film)
+
+
+def test_section_files_of_another_film_are_refused(make_film, tmp_path):
+    films = [MadeFilm(make_film(c), Imperfection(tip_radius=0.0015)) for c in (60.0, 55.0)]
+    sections = [made.section(1e-4) for made in films]
+    angle = np.radians(0.5)
+    mesh = build_section_mesh(sections[0], angle)
+    write_3mf_meshes({"film": mesh}, tmp_path / "a.3mf", "a")
+    write_section_ply(sections[0], tmp_path / "a.ply", angle)
+    assert check_section_3mf(tmp_path / "a.3mf", sections[0]).volume["film"] > 0
+    found = check_section_ply(tmp_path / "a.ply", sections[0])
+    assert found.volume["film"] == pytest.approx(sections[0].volume, rel=1e-4)
+    for check, name in ((check_section_3mf, "a.3mf"), (check_section_ply, "a.ply")):
+        with pytest.raises(ExportError, match="volume"):
+            check(tmp_path / name, sections[1])

@@ -56,3 +56,20 @@ def test_tiles_of_whole_grooves_cover_the_panel(job, tmp_path):
 def test_unknown_format_is_one_line(job, tmp_path, capsys):
     assert run_app(["cad", str(job("")), "--out", str(tmp_path / "o"), "--format", "iges"]) == 2
     assert "iges: must be of step, stl, 3mf, ply" in capsys.readouterr().err
+
+
+def test_an_imperfect_film_in_every_format(tmp_path, capsys):
+    (tmp_path / "small.toml").write_text(STACK)
+    (tmp_path / "job.toml").write_text(
+        'name = "round"\n[map]\ncurvature_per_mm = 58.0\n[film]\ntip_radius_um = 1.5\n'
+        'valley_radius_um = 1.0\n[stack]\nfile = "small.toml"\n[cad]\nlength_mm = 0.5\n'
+        'step_protocol = "ap242"\nauthor = "A. Müller"\norganisation = "Films"\n'
+    )
+    out = tmp_path / "out"
+    formats = ["--format", "step,stl,3mf,ply"]
+    assert run_app(["cad", str(tmp_path / "job.toml"), "--out", str(out), *formats]) == 0
+    assert made(out) == ["film.3mf", "film.ply", "film.step", "film.stl"]
+    head = (out / "film.step").read_text("ascii").split("ENDSEC;")[0]
+    assert r"('A. M\X2\00FC\X0\ller'),('Films')" in head
+    assert "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF" in head
+    capsys.readouterr()

@@ -36,9 +36,22 @@ def check_3mf(path: Path, film: PrismFilm) -> BodyCheck:
     ExportError
         when the unit is not mm, a body is missing or not closed, or a volume is off.
     """
+    path = Path(path)
+    return check_3mf_bodies(path, _body_volumes(film), film.volume)
+
+
+def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> BodyCheck:
+    """Return what a 3MF file holds, once it is found to be closed bodies of these volumes [mm³].
+
+    `whole` is the film's volume [mm³], of which each may be off by `VOLUME_TOLERANCE`.
+
+    Raises
+    ------
+    ExportError
+        when the unit is not mm, a body is missing or not closed, or a volume is off.
+    """
     import lib3mf
 
-    path = Path(path)
     model = lib3mf.Wrapper().CreateModel()
     try:
         model.QueryReader("3mf").ReadFromFile(str(path))
@@ -47,7 +60,6 @@ def check_3mf(path: Path, film: PrismFilm) -> BodyCheck:
     if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
         raise ExportError(f"{path.name}: unit {model.GetUnit()}: must be mm")
     bodies = _placed_meshes(path, model)
-    expected = _body_volumes(film)
     if set(bodies) != set(expected):
         raise ExportError(f"{path.name}: bodies {sorted(bodies)}: must be {sorted(expected)}")
     volume, count = {}, {}
@@ -58,7 +70,7 @@ def check_3mf(path: Path, film: PrismFilm) -> BodyCheck:
         faces = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()])
         count[name] = len(faces)
         volume[name] = _volume(points, faces)
-        _check_volume(path, name, volume[name], expected[name], film)
+        _check_volume(path, name, volume[name], expected[name], whole)
     return BodyCheck(volume, count)
 
 
@@ -95,9 +107,25 @@ def check_ply(path: Path, film: PrismFilm) -> BodyCheck:
     ExportError
         when it is not closed, off in volume, or its corners or normals are not the film's.
     """
+    path = Path(path)
+    merged, points, normals, count = read_closed_ply(path, film.volume, film.volume)
+    top = normals[:, 2] > 0
+    _check_corners(path, film, points[top], normals[top])
+    return BodyCheck({"film": merged}, {"film": count})
+
+
+def read_closed_ply(
+    path: Path, expected: float, whole: float
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64], int]:
+    """Return volume [mm³], corners (v, 3) [mm], normals (v, 3) and the number of facets of a PLY.
+
+    Raises
+    ------
+    ExportError
+        when it is not one closed surface of the expected volume [mm³] with unit normals.
+    """
     import trimesh
 
-    path = Path(path)
     try:
         read = trimesh.load_mesh(path, process=False)
     except Exception as error:
@@ -111,12 +139,10 @@ def check_ply(path: Path, film: PrismFilm) -> BodyCheck:
     merged = trimesh.Trimesh(points[first], index.ravel()[read.faces], process=False)
     if not (merged.is_watertight and merged.is_winding_consistent):
         raise ExportError(f"{path.name}: not one closed surface")
-    _check_volume(path, "film", merged.volume, film.volume, film)
+    _check_volume(path, "film", merged.volume, expected, whole)
     length = float(np.abs(np.linalg.norm(normals, axis=1) - 1).max())
     refuse_above(path, "length of a normal", length, 1e-12)
-    top = normals[:, 2] > 0
-    _check_corners(path, film, points[top], normals[top])
-    return BodyCheck({"film": float(merged.volume)}, {"film": len(read.faces)})
+    return float(merged.volume), points, normals, len(read.faces)
 
 
 def _check_corners(path: Path, film: PrismFilm, points: NDArray, normals: NDArray) -> None:
@@ -150,7 +176,7 @@ def _volume(points: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
     return float(np.sum(a * np.cross(b, c)) / 6)
 
 
-def _check_volume(path: Path, name: str, found: float, wanted: float, film: PrismFilm) -> None:
-    error = abs(found - wanted) / film.volume
+def _check_volume(path: Path, name: str, found: float, wanted: float, whole: float) -> None:
+    error = abs(found - wanted) / whole
     if not error <= VOLUME_TOLERANCE:
         raise ExportError(f"{path.name}: {name}: volume {found:.6g} mm³: must be {wanted:.6g} mm³")

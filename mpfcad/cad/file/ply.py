@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.shape.mesh import build_cross_section, build_mesh, mesh_contact
-from mpfcad.film import PrismFilm
+from mpfcad.cad.shape.section_mesh import build_outline, build_section_mesh
+from mpfcad.film import PrismFilm, Section
+from mpfcad.film.section import LINE
 
 _FACE = np.dtype([("count", "u1"), ("corner", "<i4", 3)])
 
@@ -22,8 +24,48 @@ def write_ply(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str 
     InputError
         when the film cannot be drawn.
     """
-    path = Path(path)
-    vertex, triangles = _with_normals(film, angle_tolerance)
+    _store(*_with_normals(film, angle_tolerance), Path(path), name)
+
+
+def write_section_ply(
+    section: Section, path: Path, angle_tolerance: float, *, name: str = "film"
+) -> None:
+    """Write the body of a cross-section, its corners as an STL has them, with normals as above.
+
+    Raises
+    ------
+    InputError
+        when float32 cannot hold so fine a mesh.
+    """
+    mesh = build_section_mesh(section, angle_tolerance)
+    _, _, owner = build_outline(section, angle_tolerance)
+    corner = mesh.vertices[mesh.triangles].astype(float)
+    flat = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    normal = np.repeat(flat[:, None], 3, axis=1)
+    # The first triangles are the top's, two a chord.
+    piece = np.repeat(owner, 2)
+    curved = np.flatnonzero(section.kind[piece] != LINE)
+    on = np.repeat(piece[curved, None], 3, axis=1)
+    stretch = section.width / float(mesh.vertices[:, 0].max())
+    slope = section.slope_on(on, corner[curved, :, 0] * stretch)
+    tilt = np.stack([-slope, np.zeros_like(slope), np.ones_like(slope)], axis=2)
+    normal[curved] = tilt / np.linalg.norm(tilt, axis=2, keepdims=True)
+    # Facets of one piece share corners; so do those of each of the other strips, and of the caps.
+    face = np.arange(len(corner)) // 2 + section.piece_count
+    face[curved] = piece[curved]
+    caps = np.abs(flat[:, 1]) > 0.5
+    face[caps] = len(corner) + section.piece_count + (flat[caps, 1] > 0)
+    key = mesh.triangles * (face.max() + 1) + face[:, None]
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    vertex = np.concatenate([corner.reshape(-1, 3), normal.reshape(-1, 3) + 0.0], axis=1)[first]
+    _store(vertex, index.reshape(-1, 3), Path(path), name)
+
+
+def _store(
+    vertex: NDArray[np.float64], triangles: NDArray[np.int64], path: Path, name: str
+) -> None:
+    """Write corners x, y, z, nx, ny, nz, (v, 6), and triangles (t, 3)."""
     label = name.encode("ascii", "replace").decode()
     columns = "".join(f"property double {column}\n" for column in ("x", "y", "z", "nx", "ny", "nz"))
     header = (

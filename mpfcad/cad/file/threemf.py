@@ -43,8 +43,12 @@ def write_3mf(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str 
     InputError
         when the film cannot be drawn.
     """
+    write_3mf_meshes(build_body_meshes(film, angle_tolerance), path, name)
+
+
+def write_3mf_meshes(meshes: dict[str, Mesh], path: Path, name: str) -> None:
+    """Write closed meshes as the components of one assembly, by the names of their bodies."""
     path = Path(path)
-    meshes = build_body_meshes(film, angle_tolerance)
     part = path.with_name("." + path.name + ".part")
     try:
         with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:

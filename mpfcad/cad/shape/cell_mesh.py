@@ -10,7 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.shape.mesh import SLIVER, Mesh
+from mpfcad.cad.shape.mesh import Mesh
+from mpfcad.cad.step.outline import drawn_sliver
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm
 from mpfcad.units import deg
@@ -63,7 +64,7 @@ def _profile_steps(film: CellFilm, angle_tolerance: float) -> NDArray[np.float64
     reach = w
     if film.profile == "filled":
         reach = float(film.groove.contact_position(film.curvature))
-        sliver = max(SLIVER, 4 * float(np.spacing(np.float32(max(film.size)))))
+        sliver = drawn_sliver(max(film.size))
         reach = 0.0 if reach < sliver else w if w - reach < sliver else reach
     turn = math.atan(film.curvature * reach)
     count = max(math.ceil(turn / (2 * angle_tolerance)), 4) if reach > 0 else 0

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.shape.cell_mesh import MOST_FACETS, close_top
-from mpfcad.cad.shape.mesh import SLIVER, Mesh
+from mpfcad.cad.shape.mesh import Mesh
+from mpfcad.cad.step.outline import SLIVER
 from mpfcad.errors import InputError
 from mpfcad.film import FieldPiece
 from mpfcad.units import deg

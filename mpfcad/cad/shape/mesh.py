@@ -17,17 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.shape.rounding import coarsest_step, round_contact, round_tips, settle
-from mpfcad.cad.step.outline import check_drawable, drawn_contact
+from mpfcad.cad.step.outline import check_drawable, drawn_contact, drawn_sliver
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
-from mpfcad.units import deg, nm, um
+from mpfcad.units import deg, nm
 
 #: Share of the volume that the chords may add, however coarse an angle is asked.
 VOLUME_SHARE = 3e-5
 #: Chords narrower than this are not drawn: float32 in z alone would spoil their angle.
 FINEST_CHORD = 10 * nm
-#: Walls and parabolas narrower than this are merged into their neighbours.
-SLIVER = 0.1 * um
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +58,7 @@ class CrossSection:
 
 def mesh_sliver(film: PrismFilm) -> float:
     """Return the width [mm] below which the mesh merges a part: 0.1 µm or four float32 steps."""
-    return max(SLIVER, 4 * float(np.spacing(np.float32(film.width))))
+    return drawn_sliver(film.width)
 
 
 def mesh_contact(film: PrismFilm) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 from mpfcad.cad.step.file import PLAIN, Header
-from mpfcad.cad.step.outline import SOLID_SLIVER
+from mpfcad.cad.step.outline import drawn_sliver
 from mpfcad.cad.step.patch_solid import PatchSolid, Place
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm
@@ -86,9 +86,10 @@ def _bare_ring(film: CellFilm) -> tuple[float, float]:
     if film.profile == "ideal":
         return w, film.lowest
     reach = float(film.groove.contact_position(film.curvature))
-    if reach < SOLID_SLIVER:
+    sliver = drawn_sliver(max(film.size))
+    if reach < sliver:
         return 0.0, film.base
-    return (w if w - reach < SOLID_SLIVER else reach), film.lowest
+    return (w if w - reach < sliver else reach), film.lowest
 
 
 def _valley(solid: PatchSolid, film: CellFilm, at: Place, side: int) -> str:

@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
-from mpfcad.units import nm
+from mpfcad.units import nm, um
 
-#: Resin or bare wall narrower than this is left out of solids: the resolution of usual CAD kernels.
-SOLID_SLIVER = 10 * nm
+#: Resin or bare wall narrower than this is left out of solids and meshes alike.
+SLIVER = 0.1 * um
 #: A parabola that sags less than this is drawn as a plane in solids.
 SOLID_FLAT = 1e-3 * nm
 
@@ -59,9 +59,17 @@ def drawn_contact(film: PrismFilm, sliver: float) -> NDArray[np.float64]:
     return np.where(half_width - contact < sliver, half_width, contact)
 
 
+def drawn_sliver(width: float) -> float:
+    """Return what is not drawn [mm] of a film so wide: 0.1 µm, or four steps of float32.
+
+    The same in STEP as in STL, so that both files hold the same bodies.
+    """
+    return max(SLIVER, 4 * float(np.spacing(np.float32(width))))
+
+
 def solid_contact(film: PrismFilm) -> NDArray[np.float64]:
     """Return |x| [mm], (n,) float64, to which each groove's resin reaches as a solid; 0: none."""
-    return drawn_contact(film, SOLID_SLIVER)
+    return drawn_contact(film, drawn_sliver(film.width))
 
 
 def has_solid_parabola(film: PrismFilm) -> NDArray[np.bool_]:

@@ -87,7 +87,7 @@ class _Designed(_Exact):
 class _Made(_Exact):
     """Imperfect or measured grooves: one body, by its cross-section."""
 
-    formats = ("step", "stl")
+    formats = ("step", "stl", "3mf", "ply")
     volume_tolerance = 1e-4
 
     def __init__(self, made: MadeFilm, table: CadTable) -> None:
@@ -98,26 +98,39 @@ class _Made(_Exact):
         self.sliver = mesh_sliver(made.film)
 
     def write(self, path: Path, name: str) -> None:
-        from mpfcad.cad.file import stl
+        from mpfcad.cad.file import ply, stl, threemf
         from mpfcad.cad.shape import section_mesh
         from mpfcad.cad.step import section as section_step
 
+        # The same parts are left out of every file.
+        section = self.made.section(self.sliver)
         if path.suffix == ".step":
             section_step.write_section_step(
-                self.made.section(), path, name=name, body="film",
+                section, path, name=name, body="film",
                 colour=section_step.FILM_COLOUR, header=self.header,
             )  # fmt: skip
+            return
+        if path.suffix == ".ply":
+            ply.write_section_ply(section, path, self.angle, name=name)
+            return
+        mesh = section_mesh.build_section_mesh(section, self.angle)
+        if path.suffix == ".3mf":
+            threemf.write_3mf_meshes({"film": mesh}, path, name)
         else:
-            mesh = section_mesh.build_section_mesh(self.made.section(self.sliver), self.angle)
             stl.write_mesh(mesh, path, name)
 
     def check(self, path: Path) -> Check:
         from mpfcad.cad.check.section import check_section_step, check_section_stl
+        from mpfcad.cad.check.section_file import check_section_3mf, check_section_ply
 
+        section = self.made.section(self.sliver)
         if path.suffix == ".step":
-            return check_section_step(path, self.made.section(), "film")
+            return check_section_step(path, section, "film")
+        if path.suffix in (".3mf", ".ply"):
+            check = {".3mf": check_section_3mf, ".ply": check_section_ply}[path.suffix]
+            return check(path, section)
         parabolas = None if self.made.imperfection.measured is not None else self.made.film
-        return check_section_stl(path, self.made.section(self.sliver), self.angle, parabolas)
+        return check_section_stl(path, section, self.angle, parabolas)
 
 
 class _Cells(_Exact):
