@@ -1,15 +1,21 @@
 """`mpfcad mask`: the mask files of a job, nothing else."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpfcad.cli.option import JobFile, Json, Out, formats
+from mpfcad.cli.option import Json, Out, formats
+
+if TYPE_CHECKING:
+    from mpfcad.pipeline import MaskPlan
 
 
 def command(
-    job_file: JobFile,
+    job_file: Annotated[
+        Path,
+        typer.Argument(metavar="JOB.toml|EXPORT", help="The job, or an export to make it from."),
+    ],
     out: Out = None,
     format: Annotated[
         str | None,
@@ -26,30 +32,82 @@ def command(
         bool,
         typer.Option("--propose", help="Only list screens that print the job's map, best first."),
     ] = False,
+    compare: Annotated[
+        Path | None,
+        typer.Option(
+            "--compare", metavar="FILE", help="Only say how a maker's file differs, by groove."
+        ),
+    ] = None,
+    mesh: Annotated[str | None, typer.Option("--mesh", help="Of the screen instead.")] = None,
+    emulsion_um: Annotated[
+        float | None, typer.Option("--emulsion-um", help="Over mesh, instead.")
+    ] = None,
+    period_um: Annotated[float | None, typer.Option("--period-um", help="Instead.")] = None,
+    polarity: Annotated[
+        str | None, typer.Option("--polarity", help="open or closed, instead.")
+    ] = None,
+    mirror: Annotated[
+        bool | None, typer.Option("--mirror/--no-mirror", help="Instead of the job's.")
+    ] = None,
+    revision: Annotated[str | None, typer.Option("--revision", help="Instead.")] = None,
     json: Json = False,
 ) -> int:
-    """Make and check the mask files of a job."""
+    """Make and check the mask files of a job, or make them again from an export."""
     from mpfcad.cli.terminal import Terminal, print_gates
-    from mpfcad.job import read_job
-    from mpfcad.pipeline import MASK_FORMATS, default_out, make_mask, read_mask_plan
+    from mpfcad.pipeline import MASK_FORMATS, default_out, make_planned_mask
 
+    asked = None if format is None else formats(format, MASK_FORMATS)
+    changes = {
+        name: value
+        for name, value in (
+            ("mesh.name", mesh), ("mesh.emulsion_um", emulsion_um), ("period_um", period_um),
+            ("polarity", polarity), ("mirror", mirror), ("revision", revision),
+        )
+        if value is not None
+    }  # fmt: skip
     if propose:
         return _propose(job_file, json)
-    asked = None if format is None else formats(format, MASK_FORMATS)
-    job = read_job(job_file)
-    chosen = asked or tuple(job.mask.formats)
+    planned = _read(job_file, changes)
     if plan:
         from mpfcad.mask.screen.screen import screen_lines
 
-        print("\n".join(screen_lines(read_mask_plan(job, job_file).describe())))
+        print("\n".join(screen_lines(planned.describe())))
         return 0
-    folder = out or default_out(job).with_name(f"{job.name}-mask")
+    if compare is not None:
+        return _compare(compare, planned)
+    chosen = asked or tuple(planned.job.mask.formats)
+    folder = out or default_out(planned.job).with_name(f"{planned.job.name}-mask")
     with Terminal() as terminal:
-        screen = make_mask(job, job_file, folder, chosen, terminal)
+        screen = make_planned_mask(planned, job_file, folder, chosen, terminal)
     print_gates(screen)
-    for name in chosen:
-        print(folder / f"mask.{name}")
+    for name in (*(f"mask.{suffix}" for suffix in chosen), "order.pdf"):
+        print(folder / name)
     return 1 if screen["printability"] in ("FAIL", "INCONCLUSIVE") else 0
+
+
+def _read(path: Path, changes: dict[str, Any]) -> "MaskPlan":
+    """Return the mask of a job, or of an export, with changes."""
+    from mpfcad.job import read_job
+    from mpfcad.pipeline import changed_job, read_mask_plan, restore_mask_plan
+
+    if path.is_dir():
+        return restore_mask_plan(path, changes)
+    return read_mask_plan(changed_job(read_job(path), changes, str(path)), path)
+
+
+def _compare(file: Path, planned: "MaskPlan") -> int:
+    """Print how a maker's file differs; 1 when it does."""
+    from mpfcad.errors import ExportError, InputError
+    from mpfcad.mask.check.compare import RETURNED, compare_mask, comparison_lines
+
+    if file.suffix.removeprefix(".") not in RETURNED or not file.is_file():
+        raise InputError(f"--compare: {file}: expected a file .{', .'.join(RETURNED)}")
+    try:
+        found = compare_mask(file, planned.mask, planned.phototool())
+    except ExportError as error:
+        raise InputError(str(error)) from None
+    print("\n".join(comparison_lines(found)))
+    return 0 if found.is_same else 1
 
 
 def _propose(job_file: Path, json: bool) -> int:

@@ -136,6 +136,9 @@ class MaskTable(Table):
     mirror: bool = False
     emulsion_side: Literal["film", "squeegee"] = "film"
     furniture: list[FurnitureName] = Field(default_factory=lambda: list(DEFAULT_FURNITURE))
+    revision: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{1,16}$")] = "A"
+    squeegee: Literal["along", "across"] = "along"
+    frame_mm: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
     tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
 
     @model_validator(mode="before")

@@ -25,6 +25,8 @@ class Phototool:
         what is drawn around the panel; the outline always is
     dpi
         pixels per inch of a TIFF
+    notes
+        lines of the order, ASCII, that stand below the first two in every file
     """
 
     polarity: Polarity = "open"
@@ -32,6 +34,7 @@ class Phototool:
     emulsion_side: EmulsionSide = "film"
     furniture: tuple[Furniture, ...] = FURNITURE
     dpi: float = 2540.0
+    notes: tuple[str, ...] = ()
 
     @property
     def statement(self) -> str:

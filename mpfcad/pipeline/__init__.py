@@ -15,7 +15,15 @@ from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan, read_proposals
 from mpfcad.pipeline.run.mould import MouldSetting, make_mould
-from mpfcad.pipeline.run.run import default_out, make_cad, make_mask, run_job, trace_mesh
+from mpfcad.pipeline.run.reissue import changed_job, restore_mask_plan
+from mpfcad.pipeline.run.run import (
+    default_out,
+    make_cad,
+    make_mask,
+    make_planned_mask,
+    run_job,
+    trace_mesh,
+)
 from mpfcad.pipeline.run.verify import verify_export
 from mpfcad.pipeline.sweep.run import default_sweep_out, run_sweep
 
@@ -33,6 +41,7 @@ __all__ = [
     "Progress",
     "Silent",
     "TraceSetting",
+    "changed_job",
     "compare_cases",
     "default_design_out",
     "default_measure_out",
@@ -43,11 +52,13 @@ __all__ = [
     "make_cad",
     "make_mask",
     "make_mould",
+    "make_planned_mask",
     "measure_film",
     "read_case",
     "read_mask_plan",
     "read_plan",
     "read_proposals",
+    "restore_mask_plan",
     "restore_plan",
     "run_design",
     "run_job",

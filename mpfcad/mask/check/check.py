@@ -247,8 +247,9 @@ def _check_text(path: Path, mask: Mask, phototool: Phototool, text: tuple[str, .
     """Refuse a text without name and hash, or with another polarity, view or emulsion side."""
     if f"{mask.name} sha256:{mask.content_hash}" not in text:
         raise ExportError(f"{path}: text: wanted {mask.name!r} with hash {mask.content_hash}")
-    if phototool.statement not in text:
-        raise ExportError(f"{path}: text: wanted {phototool.statement!r}")
+    for line in (phototool.statement, *phototool.notes):
+        if line not in text:
+            raise ExportError(f"{path}: text: wanted {line!r}")
 
 
 def _check_furniture(path: Path, mask: Mask, phototool: Phototool, found: FoundMask) -> None:

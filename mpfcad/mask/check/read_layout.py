@@ -60,9 +60,9 @@ def read_layout(path: Path) -> FoundMask:
         unit=layout.dbu,
         text=text,
         fiducials=_boxes(layout, FIDUCIAL),
-        coupon=tuple(_arrays(path, layout, COUPON)),
+        coupon=tuple(layout_arrays(path, layout, COUPON)),
         drawn=read_polarity(path, text),
-        arrays=lambda: _arrays(path, layout, APERTURE),
+        arrays=lambda: layout_arrays(path, layout, APERTURE),
         window=lambda box: layout_window(layout, box),
     )
 
@@ -114,7 +114,7 @@ def _texts(layout: "kdb.Layout") -> tuple[str, ...]:
     return tuple(shape.text_string for shape in shapes if shape.is_text())
 
 
-def _arrays(path: Path, layout: "kdb.Layout", number: int) -> Iterator[ApertureArray]:
+def layout_arrays(path: Path, layout: "kdb.Layout", number: int) -> Iterator[ApertureArray]:
     """Yield what stands on a layer: shapes of the top cell, references, and tiles of references."""
     layer = layout.find_layer(number, 0)
     if layer is not None:

@@ -9,7 +9,14 @@ import numpy as np
 from mpfcad.errors import InputError
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
-from mpfcad.mask.format.furniture import Label, Polygon, draw_coupon, draw_fiducials, draw_lines
+from mpfcad.mask.format.furniture import (
+    Label,
+    Polygon,
+    draw_coupon,
+    draw_fiducials,
+    draw_lines,
+    wedge_ratios,
+)
 from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool
 from mpfcad.mask.rule import GRID
@@ -69,9 +76,10 @@ class Drawing:
         return left, bottom, right, top
 
     @cached_property
-    def lines(self) -> tuple[str, str]:
-        """The two lines of text: what it is, and how to look at it."""
-        return (f"{self.mask.name} sha256:{self.mask.content_hash}", self.phototool.statement)
+    def lines(self) -> tuple[str, ...]:
+        """The lines of text: what it is, how to look at it, and what the order says."""
+        name = f"{self.mask.name} sha256:{self.mask.content_hash}"
+        return (name, self.phototool.statement, *self.phototool.notes)
 
     @property
     def arrays(self) -> Iterator[ApertureArray]:
@@ -131,7 +139,7 @@ def draw(mask: Mask, phototool: Phototool, *, paints: bool = False) -> Drawing:
     if "text" in phototool.furniture:
         polygons += letters
     if "coupon" in phototool.furniture:
-        coupon, frame = draw_coupon(mask.rules, length, phototool.polarity)
+        coupon, frame = draw_coupon(mask.rules, length, phototool.polarity, wedge_ratios(mask))
         polygons += frame
     if phototool.mirror:
         polygons = [(layer, points * (-1, 1) + (width, 0)) for layer, points in polygons]

@@ -40,7 +40,8 @@ def write_dxf(drawing: Drawing, path: Path) -> None:
             _add_outline(space, ApertureArray(points, Placement((0, 0))), layer)
         for i, label in enumerate((*drawing.labels, None)):
             text = UNIT_TEXT if label is None else label.text
-            foot = -60.0 if label is None else _mm(label.position[1])
+            lowest = min((line.position[1] for line in drawing.labels), default=0)
+            foot = _mm(lowest) - 3 * TEXT_HEIGHT if label is None else _mm(label.position[1])
             at = (0.0 if label is None else _mm(label.position[0]), foot)
             attributes = {"layer": layer_name(TEXT), "height": TEXT_HEIGHT, "insert": at}
             if drawing.labels or i:

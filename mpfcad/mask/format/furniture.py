@@ -1,8 +1,8 @@
 """What stands around the panel: fiducials, text, and a coupon of step wedge and reference strip.
 
 All of it is outside the outline; grid steps. The wedge's patches have slots of a known aperture
-ratio, so that what a ratio gives can be measured on the print; on the reference strip nothing is
-printed.
+ratio, log-spaced over the mask's own ratios and beyond both ends, so that what a ratio gives can be
+measured on the print (`mpfcad calibrate`); on the reference strip nothing is printed.
 """
 
 from collections.abc import Iterator
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.mask.aperture import Mask
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.layer import FIDUCIAL, TEXT
 from mpfcad.mask.phototool import Polarity
@@ -20,7 +21,10 @@ from mpfcad.units import mm, um
 #: A layer and the (k, 2) int64 vertices of a polygon on it.
 Polygon = tuple[int, NDArray[np.int64]]
 
-WEDGE_PERCENT = (0, 5, 10, 25, 50, 75, 100)
+#: The wedge of a mask without resin; how far the wedge goes beyond the mask's own ratios.
+USUAL_RATIOS, BEYOND = (0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0), 1.6
+#: Lines of text that are drawn as letters; all of them are text elements.
+DRAWN_LINES = 3
 _MM = round(mm / GRID)
 FIDUCIAL_OFFSET, FIDUCIAL_SIZE, FIDUCIAL_LINE = 10 * _MM, 4 * _MM, _MM // 5
 TEXT_OFFSET, TEXT_SIZE = 20 * _MM, 3 * _MM
@@ -63,47 +67,66 @@ def draw_lines(lines: tuple[str, ...]) -> tuple[list[Polygon], list[Label]]:
     labels = []
     for i, line in enumerate(lines):
         foot = -TEXT_OFFSET - i * TEXT_SIZE * 3 // 2
-        polygons += draw_text(line, TEXT_SIZE, 0, foot)
+        if i < DRAWN_LINES:
+            polygons += draw_text(line, TEXT_SIZE, 0, foot)
         labels.append(Label(line, (0, foot - len(lines) * TEXT_SIZE * 3 // 2)))
     return polygons, labels
 
 
-def wedge_period(rules: MaskRules) -> int:
-    """Return the period of the wedge's slots: 5 % and 75 % of it have to be makeable."""
-    return round(max(rules.period, 20 * rules.aperture_limit, 4 * rules.web_limit) / GRID)
+def wedge_ratios(mask: Mask) -> tuple[float, ...]:
+    """Return the aperture ratios of the wedge: none, six over the mask's own and beyond, all.
+
+    The six are evenly spaced in their logarithm, from the smallest ratio over `BEYOND` to the
+    largest times that (at most 0.9), to three digits.
+    """
+    wanted = mask.wanted_ratio
+    is_open = wanted[wanted > 1e-9]
+    if not is_open.size:
+        return USUAL_RATIOS
+    low = max(float(is_open.min()) / BEYOND, 0.001)
+    high = max(min(float(is_open.max()) * BEYOND, 0.9), 2 * low)
+    steps = np.geomspace(low, high, 6)
+    return (0.0, *(float(f"{ratio:.3g}") for ratio in steps), 1.0)
+
+
+def wedge_period(rules: MaskRules, ratios: tuple[float, ...]) -> int:
+    """Return the period of the wedge's slots: each of its ratios has to be makeable."""
+    part = [ratio for ratio in ratios if 0 < ratio < 1]
+    least = (rules.aperture_limit / min(part), rules.web_limit / (1 - max(part)))
+    return round(max(rules.period, *least) / GRID)
 
 
 def draw_coupon(
-    rules: MaskRules, length: int, polarity: Polarity
+    rules: MaskRules, length: int, polarity: Polarity, ratios: tuple[float, ...]
 ) -> tuple[list[ApertureArray], list[Polygon]]:
     """Return what is drawn of wedge and reference strip, and the polygons of text and frame."""
-    period = wedge_period(rules)
+    period = wedge_period(rules, ratios)
     rows = max(1, -(-PATCH // period))
     foot = length + COUPON_OFFSET
     arrays: list[ApertureArray] = []
     polygons: list[Polygon] = []
     height = rows * period
-    for i, percent in enumerate(WEDGE_PERCENT):
+    for i, ratio in enumerate(ratios):
         left = i * (PATCH + GAP)
-        polygons += draw_text(f"{percent}%", GAP, left, foot + height + GAP)
-        drawn = percent if polarity == "open" else 100 - percent
+        polygons += draw_text(f"{100 * ratio:.3g}%", GAP, left, foot + height + GAP)
+        drawn = ratio if polarity == "open" else 1 - ratio
         arrays += _patch((left, foot), PATCH, period, rows, drawn)
-    left = len(WEDGE_PERCENT) * (PATCH + GAP)
+    left = len(ratios) * (PATCH + GAP)
     polygons += draw_text("unprinted", GAP, left, foot + height + GAP)
-    arrays += _patch((left, foot), STRIP, period, rows, 0 if polarity == "open" else 100)
+    arrays += _patch((left, foot), STRIP, period, rows, 0 if polarity == "open" else 1)
     polygons += _frame(left, foot, STRIP, height)
     return arrays, polygons
 
 
 def _patch(
-    corner: tuple[int, int], width: int, period: int, rows: int, percent: int
+    corner: tuple[int, int], width: int, period: int, rows: int, ratio: float
 ) -> list[ApertureArray]:
-    """Return the slots that cover so many percent of a patch."""
-    if percent in (0, 100):
+    """Return the slots that cover such a share of a patch."""
+    if ratio in (0, 1):
         whole = ApertureArray((width, rows * period), Placement(corner))
-        return [whole] if percent else []
+        return [whole] if ratio else []
     place = Placement(corner, rows=rows, row_step=(0, period))
-    return [ApertureArray((width, period * percent // 100), place)]
+    return [ApertureArray((width, round(period * ratio)), place)]
 
 
 def _frame(left: int, foot: int, width: int, height: int) -> Iterator[Polygon]:

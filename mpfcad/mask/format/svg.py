@@ -32,7 +32,8 @@ def _parts(drawing: Drawing) -> Iterator[str]:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_mm(size[0])}mm" '
         f'height="{_mm(size[1])}mm" viewBox="{_mm(left)} 0 {_mm(size[0])} {_mm(size[1])}">'
     )
-    yield f"<title>{escape(drawing.lines[0])}</title><desc>{escape(drawing.lines[1])}</desc>"
+    notes = "\n".join(drawing.lines[1:])
+    yield f"<title>{escape(drawing.lines[0])}</title><desc>{escape(notes)}</desc>"
     yield f'<g transform="matrix(1 0 0 -1 0 {_mm(top)})">'
     box = f'width="{_mm(drawing.width)}" height="{_mm(drawing.length)}"'
     yield f'<g id="{LAYERS[OUTLINE]}"><rect x="0" y="0" {box} fill="none" stroke="none"/></g>'

@@ -231,6 +231,17 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     return replace(plan, calibration=text)
 
 
+def stored_job(plan: Plan) -> dict[str, Any]:
+    """Return what `restore_plan` needs besides an export's own files."""
+    return {
+        "resolved": plan.job.document(),
+        "given": plan.job.given(),
+        "calibration": plan.calibration,
+        "measured_mm": None if plan.measured is None else plan.measured.tolist(),
+        "stack": describe_stack(plan.stack),
+    }
+
+
 def describe_stack(stack: Stack) -> dict[str, Any]:
     """Return a stack as plain values; `restore_stack` makes the same stack of them again."""
     source = stack.spec.describe()

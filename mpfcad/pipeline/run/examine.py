@@ -29,7 +29,8 @@ from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
-from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks, phototool
+from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks
+from mpfcad.pipeline.run.mask_order import phototool
 from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
 
@@ -99,9 +100,9 @@ def examine(
         when a file does not read back as what it should hold.
     """
     masks = {}
-    if mask is not None:
-        table = plan.job.mask
-        masks = check_masks(mask, phototool(table), folder, table.formats, progress)
+    if mask is not None and plan.process is not None:
+        tool = phototool(plan.job, mask, plan.process)
+        masks = check_masks(mask, tool, folder, plan.job.mask.formats, progress)
     cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
     step, mesh = cad["step"], cad["stl"]
     wanted = None if mask is None else mask.wanted_ratio

@@ -6,7 +6,7 @@ from pathlib import Path
 from mpfcad.cad import Agreement
 from mpfcad.errors import InputError
 from mpfcad.film import FieldFilm, MadeFilm, PrismFilm, Process
-from mpfcad.job import Job, MaskTable
+from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.plan.drawing import Check, drawing_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS, build_grid
@@ -58,15 +58,6 @@ def job_rules(job: Job, film: PrismFilm | FieldFilm, process: Process) -> MaskRu
 def write_curvature(plan: Plan, folder: Path) -> None:
     """Write curvature.csv, one row a groove of the panel, or curvature.npz of a map C(x, y)."""
     plan.write_curvature(folder)
-
-
-def phototool(table: MaskTable) -> Phototool:
-    """Return how a job wants its artwork."""
-    from mpfcad.mask import Phototool
-
-    return Phototool(
-        table.polarity, table.mirror, table.emulsion_side, tuple(table.furniture), table.tif_dpi
-    )
 
 
 def write_masks(

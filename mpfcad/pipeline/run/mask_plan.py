@@ -1,25 +1,32 @@
 """A job's mask and its screen, known before any file is made; of 1-D and of 2-D maps."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mpfcad.export import sha256, write_text
 from mpfcad.film import Process
 from mpfcad.job import Job
-from mpfcad.mask import Mask, MaskCheck, build_mask
+from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
 from mpfcad.pipeline.plan.field import has_field, read_field_film
 from mpfcad.pipeline.plan.plan import (
     Plan,
     groove_count,
     read_job_stack,
     read_plan,
+    stored_job,
 )
 from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
 from mpfcad.pipeline.plan.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.propose import Proposal, film_curvature, propose, with_screen
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
+from mpfcad.pipeline.run.mask_order import job_order, phototool
 from mpfcad.record.printing import mask_gates, print_gates, printability
+
+#: The order sheet, and the coupons of its step wedge.
+ORDER, COUPONS = "order.pdf", "coupons.csv"
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +68,24 @@ class MaskPlan:
             **self.describe(),
             "printability": printability(printing, gates),
             "gates": [gate.document() for gate in gates],
+            "order": job_order(self.job, self.mask, self.process),
+            "job": None if self.plan is None else stored_job(self.plan),
         }
+
+    def phototool(self) -> Phototool:
+        """Return how the job wants its artwork."""
+        return phototool(self.job, self.mask, self.process)
+
+    def write_order(self, folder: Path, screen: dict[str, Any], formats: Sequence[str]) -> None:
+        """Write order.pdf and the list of coupons for `mpfcad calibrate`."""
+        from mpfcad.mask.screen.order import coupon_table
+        from mpfcad.mask.screen.order_sheet import write_order
+
+        names = [f"mask.{suffix}" for suffix in formats]
+        hashes = {name: sha256(folder / name) for name in names}
+        write_order(folder / ORDER, screen["order"], screen["printability"], hashes)
+        if screen["order"]["coupon_aperture_ratio"]:
+            write_text(folder / COUPONS, coupon_table(screen["order"]))
 
 
 def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:

@@ -14,7 +14,7 @@ from mpfcad.mask import Mask
 from mpfcad.measure import describe_eye
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.plan.field import FIELD_FILE
-from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, describe_stack
+from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits
 from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
@@ -84,14 +84,7 @@ def build_record(
             },
             **provenance,
         },
-        job={
-            "resolved": job.document(),
-            "given": job.given(),
-            "calibration": plan.calibration,
-            "measured_mm": None if plan.measured is None else plan.measured.tolist(),
-            "stack": describe_stack(plan.stack),
-            "trace": setting.document(),
-        },
+        job={**stored_job(plan), "trace": setting.document()},
     )
 
 

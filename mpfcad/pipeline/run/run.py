@@ -15,7 +15,6 @@ from mpfcad.pipeline.run.make import (
     RUN_CAD_FORMATS,
     check_cad,
     check_masks,
-    phototool,
     plan_mask,
     refuse_formats,
     write_cad,
@@ -24,7 +23,8 @@ from mpfcad.pipeline.run.make import (
     write_masks,
     write_tiles,
 )
-from mpfcad.pipeline.run.mask_plan import read_mask_plan
+from mpfcad.pipeline.run.mask_order import phototool, refuse_mask_formats
+from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
 from mpfcad.pipeline.run.repair import repair_mesh
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 from mpfcad.store import Store
@@ -68,14 +68,17 @@ def run_job(
     if plan.field_film is not None:
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
+    if mask is not None:
+        refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
     # The traces are kept until the export is on the disk: a full disk at the report loses none.
     with (
         Checkpoints(Store.open(progress.note)) as checkpoints,
         export_folder(out, "run") as folder,
     ):
         write_curvature(plan, folder)
-        if mask is not None:
-            write_masks(mask, phototool(job.mask), folder, job.mask.formats, progress)
+        if mask is not None and plan.process is not None:
+            tool = phototool(job, mask, plan.process)
+            write_masks(mask, tool, folder, job.mask.formats, progress)
         write_cad(plan, folder, RUN_CAD_FORMATS, progress)
         write_stack_meshes(plan, folder, progress)
         return _examine_and_report(
@@ -140,19 +143,32 @@ def make_mask(
         when a file does not read back as what it should hold.
     """
     progress.stage(f"reading {job_file}")
-    plan = read_mask_plan(job, job_file)
+    return make_planned_mask(read_mask_plan(job, job_file), job_file, out, formats, progress)
+
+
+def make_planned_mask(
+    plan: MaskPlan,
+    source: Path,
+    out: Path,
+    formats: tuple[str, ...] | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Make and check the mask files of a plan, from the job or export `source`, as `make_mask`."""
     job = plan.job
+    formats = formats or tuple(job.mask.formats)
+    refuse_mask_formats(job, plan.mask, formats, str(source))
+    tool = phototool(job, plan.mask, plan.process)
     with export_folder(out, "mask") as folder:
         if plan.plan is not None:
             write_curvature(plan.plan, folder)
-        tool = phototool(job.mask)
-        formats = formats or tuple(job.mask.formats)
         write_masks(plan.mask, tool, folder, formats, progress)
         checks = check_masks(plan.mask, tool, folder, formats, progress)
         write_mask_pictures(folder, checks, plan.mask)
         progress.stage("writing screen.json")
         screen = plan.judge(checks)
         write_text(folder / SCREEN, canonical_json(screen))
+        progress.stage("writing order.pdf")
+        plan.write_order(folder, screen, formats)
         write_manifest(folder, job.name, "mask")
         return screen
 

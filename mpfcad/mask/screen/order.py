@@ -1,0 +1,162 @@
+"""What a screen maker quotes from: the facts of an order, as values, lines of text and coupons."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from mpfcad.film import Process
+from mpfcad.mask.aperture import Mask
+from mpfcad.mask.format.drawing import draw
+from mpfcad.mask.format.furniture import wedge_ratios
+from mpfcad.mask.pattern.dither import DitherMask
+from mpfcad.mask.pattern.grooves import GrooveMask
+from mpfcad.mask.phototool import Phototool
+from mpfcad.mask.rule import GRID
+from mpfcad.units import deg, um
+
+Direction = Literal["along", "across"]
+#: Inside of the frame over the artwork, furniture included (SGIA: at least 1.5 times the print).
+FRAME_SHARE = 1.5
+
+
+@dataclass(frozen=True)
+class OrderTerms:
+    """What the user decides besides the mask.
+
+    Attributes
+    ----------
+    revision
+        of the artwork
+    squeegee
+        direction of the stroke, `along` or `across` the grooves
+    frame
+        (across, along) inside of the frame [mm]; None: `FRAME_SHARE` of the artwork
+    mesh_angle
+        of the threads to the grooves [rad]
+    curvature_tolerance
+        change of a groove's curvature [1/mm] that the tolerance of an edge stands for
+    """
+
+    revision: str
+    squeegee: Direction
+    frame: tuple[float, float] | None
+    mesh_angle: float
+    curvature_tolerance: float
+
+
+def smallest_features(mask: Mask) -> tuple[float | None, float | None]:
+    """Return smallest aperture and web of a mask as drawn [mm]; None where there is none."""
+    if isinstance(mask, GrooveMask):
+        is_open = mask.is_open
+        if not is_open.any():
+            return None, None
+        along = mask.along[is_open]
+        webs = [mask.period_steps - int(along.max())]
+        if mask.rules.pattern != "slot":
+            webs.append(round(mask.pitch / GRID) - int(mask.across[is_open].max()))
+        return float(along.min()) * GRID, float(min(webs)) * GRID
+    if isinstance(mask, DitherMask):
+        cell = min(round(mask.pitch / GRID), mask.cell_steps)
+        return mask.side * GRID, (cell - mask.side) * GRID
+    sizes = [min(a.size) for t in mask.tile_arrays for a in t.tile.arrays]
+    return (min(sizes) * GRID if sizes else None), mask.rules.web_limit
+
+
+def edge_tolerance(mask: Mask, process: Process, curvature: float) -> float | None:
+    """Return by how much an aperture's length may be off [mm]; None without apertures.
+
+    So much changes the most sensitive groove's curvature by `curvature` [1/mm], when all its
+    apertures are off alike.
+    """
+    ratio = mask.wanted_ratio[mask.wanted_ratio > 1e-9]
+    if not ratio.size:
+        return None
+    ends = np.array([ratio.min(), ratio.max()])
+    low = process.curvature(ends) - curvature
+    there = process.aperture_ratio_of_curvature(np.maximum(low, process.curvature_min))
+    change = float(np.abs(there - ends).min())
+    if mask.rules.pattern == "slot":
+        return change * mask.period
+    side = float(np.sqrt(ends[0] * mask.pitch * mask.period))
+    return change * mask.pitch * mask.period / (2 * side)
+
+
+def describe_order(
+    mask: Mask, process: Process, phototool: Phototool, terms: OrderTerms
+) -> dict[str, Any]:
+    """Return the facts of the order in outside names, fit for JSON."""
+    mesh, rules = mask.rules.mesh, mask.rules
+    aperture, web = smallest_features(mask)
+    tolerance = edge_tolerance(mask, process, terms.curvature_tolerance)
+    left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
+    artwork = (right - left, top - bottom)
+    frame = terms.frame or tuple(float(np.ceil(FRAME_SHARE * side / 10) * 10) for side in artwork)
+    wanted = mask.wanted_ratio
+    is_open = wanted > 1e-9
+    return {
+        "name": mask.name,
+        "revision": terms.revision,
+        "content_sha256_12": mask.content_hash,
+        "mesh": None if mesh is None else mesh.name,
+        "mesh_material": None if mesh is None else mesh.material,
+        "mesh_opening_um": None if mesh is None else mesh.opening / um,
+        "mesh_thickness_um": None if mesh is None else mesh.thickness / um,
+        "mesh_angle_deg": terms.mesh_angle / deg,
+        "emulsion_over_mesh_um": 0.0 if mesh is None else mesh.emulsion / um,
+        "emulsion_side": phototool.emulsion_side,
+        "polarity": phototool.polarity,
+        "mirror": phototool.mirror,
+        "pattern": rules.pattern,
+        "period_um": mask.period / um,
+        "smallest_aperture_um": None if aperture is None else aperture / um,
+        "smallest_web_um": None if web is None else web / um,
+        "edge_tolerance_um": None if tolerance is None else tolerance / um,
+        "edge_tolerance_curvature_per_mm": terms.curvature_tolerance,
+        "aperture_ratio": [float(wanted[is_open].min()), float(wanted.max())]
+        if is_open.any()
+        else [0.0, 0.0],
+        "groove_direction": "y",
+        "squeegee": terms.squeegee,
+        "panel_mm": [mask.width, mask.length],
+        "artwork_mm": list(artwork),
+        "frame_inside_mm": list(frame),
+        "open_area_cm2": float(mask.aperture_ratio.sum()) * mask.pitch * mask.length / 100,
+        "fiducials": 4 if "fiducial" in phototool.furniture else 0,
+        "coupon_aperture_ratio": list(wedge_ratios(mask))
+        if "coupon" in phototool.furniture
+        else [],
+    }
+
+
+def order_lines(order: dict[str, Any]) -> tuple[str, ...]:
+    """Return the order as lines of ASCII text for the files."""
+    if order["mesh"] is None:
+        screen = "phototool only: no mesh named"
+    else:
+        screen = (
+            f"mesh {order['mesh']} {order['mesh_material']} at {order['mesh_angle_deg']:g} deg to "
+            f"the grooves; emulsion over mesh {order['emulsion_over_mesh_um']:g} um"
+        )
+    pattern = f"{order['pattern']} period {order['period_um']:.4f} um"
+    if order["smallest_aperture_um"] is not None:
+        pattern += f"; smallest aperture {order['smallest_aperture_um']:.3f} um"
+    if order["smallest_web_um"] is not None:
+        pattern += f", web {order['smallest_web_um']:.3f} um"
+    if order["edge_tolerance_um"] is not None:
+        pattern += f"; lengths +- {order['edge_tolerance_um']:.2g} um"
+    frame = " x ".join(f"{side:g}" for side in order["frame_inside_mm"])
+    stroke = {"along": "y", "across": "x"}[order["squeegee"]]
+    return (
+        screen,
+        pattern,
+        f"grooves along y; squeegee along {stroke}; frame inside {frame} mm; revision "
+        f"{order['revision']}",
+    )
+
+
+def coupon_table(order: dict[str, Any]) -> str:
+    """Return the list of coupons that `mpfcad calibrate --coupons` takes, traces to be added."""
+    ratios = [ratio for ratio in order["coupon_aperture_ratio"] if 0 < ratio < 1]
+    rows = [f"coupon-{i}.csv,{ratio:g}" for i, ratio in enumerate(ratios, 1)]
+    return "\n".join(["file,aperture_ratio", *rows]) + "\n"

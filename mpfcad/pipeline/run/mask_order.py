@@ -1,0 +1,102 @@
+"""The order of a job's screen: how the artwork is handed over, and what is refused before work."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from mpfcad.errors import InputError
+from mpfcad.film import Process
+from mpfcad.job import Job
+from mpfcad.mask import Mask, Phototool
+from mpfcad.mask.screen.order import OrderTerms, describe_order, order_lines
+from mpfcad.pipeline.plan.screen import moire_setting
+from mpfcad.record.printing import RATIO_LIMIT
+from mpfcad.units import mm, um
+
+#: Formats that hold closed drawings of any pattern, and of patterns with one array a groove.
+CLOSED_ANY, CLOSED_LATTICE = ("gbr", "svg", "tif"), ("oas", "gds", "gbr", "svg", "tif")
+INCH = 25.4 * mm
+
+
+def phototool(job: Job, mask: Mask, process: Process) -> Phototool:
+    """Return how a job wants its artwork, the order's lines in it."""
+    tool = bare_phototool(job)
+    order = describe_order(mask, process, tool, order_terms(job))
+    return Phototool(
+        tool.polarity, tool.mirror, tool.emulsion_side, tool.furniture, tool.dpi,
+        order_lines(order),
+    )  # fmt: skip
+
+
+def bare_phototool(job: Job) -> Phototool:
+    """Return how a job wants its artwork, without the order's lines."""
+    table = job.mask
+    return Phototool(
+        table.polarity, table.mirror, table.emulsion_side, tuple(table.furniture), table.tif_dpi
+    )
+
+
+def order_terms(job: Job) -> OrderTerms:
+    """Return what a job decides of its order."""
+    frame = job.mask.frame_mm
+    return OrderTerms(
+        revision=job.mask.revision,
+        squeegee=job.mask.squeegee,
+        frame=None if frame is None else (frame[0], frame[1]),
+        mesh_angle=moire_setting(job.mask).mesh_angle,
+        curvature_tolerance=job.gates.ripple_curvature_per_mm,
+    )
+
+
+def job_order(job: Job, mask: Mask, process: Process) -> dict[str, Any]:
+    """Return the facts of a job's order."""
+    return describe_order(mask, process, bare_phototool(job), order_terms(job))
+
+
+def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str) -> None:
+    """Refuse formats that cannot hold the mask, before anything is made.
+
+    Raises
+    ------
+    InputError
+        naming the job's field, and what would do.
+    """
+    lattice = mask.rules.pattern in ("slot", "dot", "staggered", "angled") and not list(
+        mask.tile_arrays
+    )
+    if job.mask.polarity == "closed":
+        able = CLOSED_LATTICE if lattice else CLOSED_ANY
+        unable = [name for name in formats if name not in able]
+        if unable:
+            raise InputError(
+                f"{where}: mask.polarity: closed: {unable[0]} cannot hold what is closed of "
+                f"pattern {mask.rules.pattern!r}: expected 'open', or mask.formats of "
+                f"{', '.join(able)}"
+            )
+    pixel = INCH / job.mask.tif_dpi
+    if "tif" in formats and pixel / mask.length > RATIO_LIMIT:
+        dpi = INCH / (RATIO_LIMIT * mask.length)
+        raise InputError(
+            f"{where}: mask.formats: tif: a pixel of {pixel / um:.3g} µm is "
+            f"{pixel / mask.length:.2g} of the panel's length {mask.length:g} mm: expected at most "
+            f"{RATIO_LIMIT:g}: a panel of {pixel / RATIO_LIMIT:.3g} mm or more, or mask.tif_dpi "
+            f"{dpi:.0f} or more"
+        )
+    if mask.rules.pattern == "error-diffused":
+        side = smallest_dot(mask)
+        share = side**2 / (mask.pitch * mask.length)
+        if share > RATIO_LIMIT:
+            length = side**2 / (mask.pitch * RATIO_LIMIT)
+            raise InputError(
+                f"{where}: mask.pattern: error-diffused: one dot of {side / um:.3g} µm is "
+                f"{share:.2g} of a groove of {mask.length:g} mm: expected at most {RATIO_LIMIT:g}: "
+                f"a panel of {length:.3g} mm or more, a smaller mask.dot_um, or another pattern"
+            )
+
+
+def smallest_dot(mask: Mask) -> float:
+    """Return the side of an error-diffused mask's dots [mm]."""
+    from mpfcad.mask.screen.order import smallest_features
+
+    side, _ = smallest_features(mask)
+    assert side is not None  # every dithered mask has its dot
+    return side
