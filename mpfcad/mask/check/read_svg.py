@@ -44,7 +44,7 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
     )
     if abs(scale - 1) > 1e-9:
         raise ExportError(f"{path}: one unit is {scale:g} mm: wanted 1")
-    found = (root.find(f"{_SVG}{tag}").text for tag in ("title", "desc"))
+    found = (root.findtext(f"{_SVG}{tag}", "") for tag in ("title", "desc"))
     text = tuple(line for part in found for line in part.split("\n"))
     groups: dict[str, list[ElementTree.Element]] = {}
     body = root.find(f"{_SVG}g")
