@@ -101,3 +101,55 @@ def test_a_damaged_checkpoint_is_said_and_traced_again(tmp_path, lit, whole, cap
     (line,) = capsys.readouterr().err.splitlines()
     assert str(left) in line and "does not verify" in line and "computed again" in line
     assert entries(tmp_path) == [left.with_suffix(".damaged")]
+
+
+def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
+    """What was traced stays until the export has its name."""
+    from mpfcad.job import build_job
+    from mpfcad.pipeline import run_job
+    from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
+
+    stack = 'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
+    (tmp_path / "s.toml").write_text(stack + "lamp_count = 5\nlamp_pitch_mm = 8.0\n")
+    document = {
+        "name": "a", "map": {"curvature_per_mm": 60.0}, "stack": {"file": "s.toml"},
+        "mask": {"formats": ["oas"]},
+    }  # fmt: skip
+    job, file = build_job(document, "job.toml"), tmp_path / "job.toml"
+    file.write_text("")
+    monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 100_000))
+
+    class Seen:
+        def __init__(self):
+            self.starts = []
+
+        def stage(self, text):
+            """Forget it."""
+
+        note = stage
+
+        def trace(self, state):
+            self.starts.append(state.start)
+
+    def run(seen):
+        return run_job(job, file, tmp_path / "out", effort="quick", progress=seen)
+
+    def full(*arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("mpfcad.report.write_report", full)
+        with pytest.raises(OSError, match="No space"):
+            run(Seen())
+    assert not (tmp_path / "out").exists()
+    assert len(entries(tmp_path / "cache" / "trace")) == 2
+    with monkeypatch.context() as patch:
+        patch.setattr("mpfcad.export.folder._publish", full)
+        with pytest.raises(OSError, match="No space"):
+            run(Seen())
+    seen = Seen()
+    run(seen)
+    assert seen.starts and min(seen.starts) > 0, "a trace began anew"
+    assert (tmp_path / "out" / "report.html").is_file()
+    assert entries(tmp_path / "cache" / "trace") == []
