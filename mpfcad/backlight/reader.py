@@ -1,6 +1,5 @@
 """Reads a stack from a preset or a TOML file and checks every number."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,9 +12,12 @@ from mpfcad.backlight.layer import read_layer
 from mpfcad.backlight.quantity import ranges_with, read_quantity
 from mpfcad.backlight.source import SourceSpec, TubeSpec, read_spec
 from mpfcad.backlight.stack import EXTENTS, Stack
+from mpfcad.boundary import guarded, read_toml
 from mpfcad.errors import InputError
 
 _PRESETS = Path(__file__).parent / "preset"
+#: Longest chain of files that extend one another.
+_MOST_EXTENDED = 20
 _KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector", "source"}
 
 
@@ -52,6 +54,13 @@ def read_stack(
         when the file, a key, a layer or a value is wrong; the text names it and the allowed range.
     """
     where = str(name)
+    with guarded(where, "a stack"):
+        return _read_stack(where, name, thickness, overrides)
+
+
+def _read_stack(
+    where: str, name: str | Path, thickness: float | None, overrides: dict[str, Any] | None
+) -> Stack:
     text = _read(name, set())
     given = dict(overrides or {})
     if "extent" in given:
@@ -116,10 +125,9 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
     where = str(name)
     if str(path) in seen:
         raise InputError(f"{where}: extends: {name}: extends itself")
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
-        raise InputError(f"{where}: {error}") from error
+    if len(seen) >= _MOST_EXTENDED:
+        raise InputError(f"{where}: extends: more than {_MOST_EXTENDED} files: expected fewer")
+    table = read_toml(path)
     unknown = sorted(set(table) - _KEYS)
     if unknown:
         raise InputError(f"{where}: {unknown[0]}: unknown key; allowed: {', '.join(sorted(_KEYS))}")

@@ -1,12 +1,12 @@
 """TOML file -> Job, and whatever is wrong in one line: file, field, value, what is allowed."""
 
-import tomllib
 from pathlib import Path
 from types import NoneType
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from mpfcad.boundary import guarded, read_toml
 from mpfcad.errors import InputError
 from mpfcad.job.model import Job
 
@@ -33,7 +33,8 @@ def validate(model: type[Model], document: dict[str, Any], where: str) -> Model:
         naming the first field that is wrong, its value and what is allowed.
     """
     try:
-        return model.model_validate(document)
+        with guarded(where, "plain values"):
+            return model.model_validate(document)
     except ValidationError as error:
         raise InputError(f"{where}: {_first_line(error, model)}") from None
 
@@ -57,15 +58,7 @@ def read_document(path: Path) -> dict[str, Any]:
     InputError
         when the file cannot be read or is no TOML (naming the line).
     """
-    try:
-        # Editors of Windows put a byte order mark before the first line.
-        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start}: not UTF-8 text") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {error}") from None
+    return read_toml(path)
 
 
 def _first_line(error: ValidationError, root: type[BaseModel]) -> str:

@@ -143,7 +143,7 @@ def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
         with pytest.raises(OSError, match="No space"):
             run(Seen())
     assert not (tmp_path / "out").exists()
-    assert len(entries(tmp_path / "cache" / "trace")) == 2
+    assert len(entries(tmp_path / "cache" / "trace")) >= 2
     with monkeypatch.context() as patch:
         patch.setattr("mpfcad.export.folder._publish", full)
         with pytest.raises(OSError, match="No space"):

@@ -1,12 +1,13 @@
 """Curvature maps on disk: reading CSV and NPZ with every refusal, writing an export's table."""
 
 import csv
-import zipfile
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mpfcad.boundary import reads
+from mpfcad.boundary.npz import read_arrays
 from mpfcad.errors import InputError
 from mpfcad.film.curvature.csv_columns import read_columns
 from mpfcad.film.curvature.table import CurvatureTable
@@ -23,6 +24,7 @@ EXPORT_COLUMNS = (
 )
 
 
+@reads("a curvature map (.csv or .npz)")
 def read_curvature_table(path: Path) -> CurvatureTable:
     """Read the rows of a map from a CSV (`position_mm,curvature_per_mm`) or an NPZ of those arrays.
 
@@ -32,8 +34,6 @@ def read_curvature_table(path: Path) -> CurvatureTable:
         one line with file, row, value and what was expected.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file: expected a curvature map (.csv or .npz)")
     readers = {".csv": _read_csv, ".npz": _read_npz}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: suffix {path.suffix!r}: expected .csv or .npz")
@@ -46,16 +46,7 @@ def _read_csv(path: Path) -> CurvatureTable:
 
 
 def _read_npz(path: Path) -> CurvatureTable:
-    columns = []
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            for name in COLUMNS:
-                if name not in arrays:
-                    there = ", ".join(arrays.files)
-                    raise InputError(f"{path}: array {name} missing among {there}: expected both")
-                columns.append(np.array(arrays[name]))
-    except (OSError, ValueError, zipfile.BadZipFile):
-        raise InputError(f"{path}: not an NPZ file of plain number arrays") from None
+    columns = read_arrays(path, COLUMNS)
     for name, values in zip(COLUMNS, columns, strict=True):
         if values.ndim != 1 or values.dtype.kind not in "iuf":
             raise InputError(

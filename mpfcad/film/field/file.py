@@ -1,12 +1,12 @@
 """Curvature fields on disk: an NPZ of two positions and a table."""
 
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary.npz import has_array, read_arrays
 from mpfcad.errors import InputError
 from mpfcad.film.curvature.map import find_bad_curvature
 from mpfcad.film.field.field import CurvatureField
@@ -17,11 +17,7 @@ FIELD_ARRAYS = ("position_across_mm", "position_along_mm", "curvature_per_mm")
 
 def is_field_file(path: Path) -> bool:
     """Return whether a file is an NPZ with the three arrays of a field."""
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return FIELD_ARRAYS[0] in arrays
-    except (OSError, ValueError, zipfile.BadZipFile, AttributeError, TypeError):
-        return False
+    return has_array(path, FIELD_ARRAYS[0])
 
 
 def read_curvature_field(
@@ -38,17 +34,7 @@ def read_curvature_field(
         one line with file, array, entry, value and expected range.
     """
     path = Path(path)
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            missing = [name for name in FIELD_ARRAYS if name not in arrays]
-            if missing:
-                there = ", ".join(arrays.files)
-                raise InputError(
-                    f"{path}: array {missing[0]} missing among {there}: expected all 3"
-                )
-            across, along, curvature = (np.array(arrays[name]) for name in FIELD_ARRAYS)
-    except (OSError, ValueError, zipfile.BadZipFile):
-        raise InputError(f"{path}: not an NPZ file of plain number arrays") from None
+    across, along, curvature = read_arrays(path, FIELD_ARRAYS)
     for name, values, dimension in zip(
         FIELD_ARRAYS, (across, along, curvature), (1, 1, 2), strict=True
     ):

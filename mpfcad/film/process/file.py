@@ -1,6 +1,5 @@
 """Calibrations of the printing process on disk (TOML), and the one that is built in."""
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -8,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from mpfcad.boundary import read_toml, reads
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.process.model import Process
@@ -152,6 +152,7 @@ class _Calibration(_Strict):
         return self
 
 
+@reads("a process calibration (TOML)")
 def read_process(path: Path | None, groove: Groove) -> Process:
     """Read a calibration; None gives the built-in one, the volume model of the published pair.
 
@@ -163,13 +164,7 @@ def read_process(path: Path | None, groove: Groove) -> Process:
     if path is None:
         return _build_process("built-in process", PUBLISHED, groove)
     path = Path(path)
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError:
-        raise InputError(f"{path}: no such file: expected a process calibration (TOML)") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not TOML: {error}") from None
-    return _build_process(str(path), data, groove)
+    return _build_process(str(path), read_toml(path), groove)
 
 
 def _build_process(where: str, data: dict[str, Any], groove: Groove) -> Process:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary import TEXT_LIMIT, reads
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.column import find_profile
@@ -74,6 +75,7 @@ def parse_columns(text: str) -> tuple[int, int]:
     return x, z
 
 
+@reads("a stylus trace", TEXT_LIMIT)
 def read_stylus_trace(
     path: Path,
     groove: Groove,

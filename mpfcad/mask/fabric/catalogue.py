@@ -5,6 +5,7 @@ import math
 from functools import cache
 from pathlib import Path
 
+from mpfcad.boundary import TEXT_LIMIT, reads
 from mpfcad.errors import InputError
 from mpfcad.mask.fabric.mesh import Material, Mesh, build_mesh
 from mpfcad.mask.fabric.name import match_name, nearest_names
@@ -26,6 +27,7 @@ def shipped_catalogue() -> tuple[Mesh, ...]:
     return read_catalogue(SHIPPED)
 
 
+@reads("a table of meshes", TEXT_LIMIT)
 def read_catalogue(path: Path) -> tuple[Mesh, ...]:
     """Return the meshes of a table, in its order.
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from mpfcad.boundary import TEXT_LIMIT, check_file, guarded
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis
 from mpfcad.optics.bsdf.format.astm import is_astm, read_astm
@@ -42,6 +43,17 @@ def read_bsdf(
         naming file, incidence, value and what was expected.
     """
     paths = [Path(path)] if isinstance(path, str | Path) else [Path(p) for p in path]
+    with guarded(", ".join(map(str, paths)), "a BSDF table"):
+        return _read_table(paths, taken, needed, normalise, rotation)
+
+
+def _read_table(
+    paths: list[Path],
+    taken: Taken,
+    needed: frozenset[tuple[int, int]],
+    normalise: bool,
+    rotation: str | None,
+) -> BsdfTable:
     basis, isotropic, found, note = _read(paths, rotation)
     table = fill_in(str(paths[0]), basis, isotropic, found, taken, needed)
     table = replace(table, note=(*note, *table.note)).checked(normalise=normalise)
@@ -53,8 +65,7 @@ def _read(paths: list[Path], rotation: str | None) -> _Read:
     for p in paths:
         if p.suffix.lower() not in _SUFFIXES:
             raise InputError(f"{p}: {p.suffix or 'no suffix'}: expected {', '.join(_SUFFIXES)}")
-        if not p.is_file():
-            raise InputError(f"{p}: no such file: expected a BSDF table")
+        check_file(p, TEXT_LIMIT, "a BSDF table")
     suffix = {p.suffix.lower() for p in paths}
     if suffix == {".bsdf"} and not is_lighttools(paths[0]):
         return read_zemax(paths, rotation)

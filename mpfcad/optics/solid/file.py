@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary import reads
 from mpfcad.errors import InputError
 from mpfcad.optics.solid.closed import find_fault
 from mpfcad.optics.solid.crossing_section import extruded_section
@@ -55,6 +56,7 @@ class Solid:
         return "; ".join((read, *self.note))
 
 
+@reads("a mesh or STEP file")
 def read_solid(path: Path) -> Solid:
     """Return the solid of a file, whatever it bounds; the format is found from its bytes.
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary import reads
 from mpfcad.errors import InputError
 from mpfcad.optics.solid.closed import at, check_solid, find_fault
 from mpfcad.optics.solid.file import read_solid
@@ -53,6 +54,7 @@ class FilmMesh:
         return used
 
 
+@reads("a mesh or STEP file")
 def read_film_mesh(path: Path) -> FilmMesh:
     """Return the film tile of a mesh or STEP file (coordinates in mm where it states no unit).
 

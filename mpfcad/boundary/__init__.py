@@ -1,0 +1,12 @@
+"""Where files of the user's come in: of a size that can be read, and every fault one line."""
+
+from mpfcad.boundary.file import (
+    FILE_LIMIT,
+    TEXT_LIMIT,
+    check_file,
+    guarded,
+    read_toml,
+    reads,
+)
+
+__all__ = ["FILE_LIMIT", "TEXT_LIMIT", "check_file", "guarded", "read_toml", "reads"]
