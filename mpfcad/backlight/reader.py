@@ -95,7 +95,8 @@ def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, An
         raise InputError(f"{where}: layers: {text.layers}: must list layers from the lamps up")
     names, own, values = [], {}, {}
     for place, entry in enumerate(text.layers, 1):
-        name, layer, given = read_layer(where, entry, place, text.folder)
+        with guarded(f"{where}: layers: entry {place}", "the name of a layer or its table"):
+            name, layer, given = read_layer(where, entry, place, text.folder)
         if layer is not None:
             if name in names:
                 raise InputError(f"{where}: layers: {name}: name: must be there once")
@@ -133,7 +134,9 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         raise InputError(f"{where}: {unknown[0]}: unknown key; allowed: {', '.join(sorted(_KEYS))}")
     text = _Text(where)
     if "extends" in table:
-        base = str(table["extends"])
+        base = table["extends"]
+        if not isinstance(base, str):
+            raise InputError(f"{where}: extends: {base!r}: expected a preset's or a file's name")
         beside = path.parent / base
         text = _read(
             beside if beside.suffix == ".toml" and beside.is_file() else base, seen | {str(path)}

@@ -5,8 +5,9 @@ from mpfcad.boundary.file import (
     TEXT_LIMIT,
     check_file,
     guarded,
+    named_file,
     read_toml,
     reads,
 )
 
-__all__ = ["FILE_LIMIT", "TEXT_LIMIT", "check_file", "guarded", "read_toml", "reads"]
+__all__ = ["FILE_LIMIT", "TEXT_LIMIT", "check_file", "guarded", "named_file", "read_toml", "reads"]

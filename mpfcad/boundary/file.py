@@ -72,6 +72,22 @@ def guarded(where: object, expected: str) -> Iterator[None]:
         raise InputError(f"{where}: not readable ({reason}): expected {expected}") from error
 
 
+def named_file(where: str, folder: Path, name: str, expected: str) -> Path:
+    """Return the path of a file that a field names, beside the file that names it.
+
+    Raises
+    ------
+    InputError
+        when it is no file; the text begins with `where`: the naming file and the field.
+    """
+    path = folder / name
+    try:
+        check_file(path, expected=expected)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    return path
+
+
 def reads(expected: str, limit: int = FILE_LIMIT) -> Callable[[Read], Read]:
     """Decorate a reader whose first argument is a file, or None for what is built in.
 

@@ -46,9 +46,10 @@ def read_arrays(path: Path, names: Sequence[str]) -> list[NDArray[Any]]:
 def has_array(path: Path, name: str) -> bool:
     """Return whether a file is an NPZ file with an array of a name."""
     try:
+        check_file(path)
         with zipfile.ZipFile(path) as archive:
             return f"{name}.npy" in archive.namelist()
-    except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError):
+    except (InputError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError):
         return False
 
 

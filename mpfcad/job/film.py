@@ -24,8 +24,8 @@ class FilmTable(Table):
     """
 
     profile: Literal["filled", "ideal"] = "filled"
-    pitch_um: Annotated[Positive, Field(le=2000)] = 50.0
-    depth_um: Annotated[Positive, Field(le=2000)] = 25.0
+    pitch_um: Annotated[float, Field(ge=1, le=2000)] = 50.0
+    depth_um: Annotated[float, Field(ge=0.1, le=2000)] = 25.0
     prism_angle_deg: Annotated[Positive, Field(ge=20, le=160)] = 90.0
     base_um: Annotated[Positive, Field(le=5000)] = 200.0
     refractive_index: Annotated[Positive, Field(gt=1, le=3)] | None = None

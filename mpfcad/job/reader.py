@@ -32,11 +32,11 @@ def validate(model: type[Model], document: dict[str, Any], where: str) -> Model:
     InputError
         naming the first field that is wrong, its value and what is allowed.
     """
-    try:
-        with guarded(where, "plain values"):
+    with guarded(where, "plain values"):
+        try:
             return model.model_validate(document)
-    except ValidationError as error:
-        raise InputError(f"{where}: {_first_line(error, model)}") from None
+        except ValidationError as error:
+            raise InputError(f"{where}: {_first_line(error, model)}") from None
 
 
 def read_job(path: Path) -> Job:

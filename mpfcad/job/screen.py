@@ -121,7 +121,7 @@ class MaskTable(Table):
     """`[mask]`: pattern and rules of the screen."""
 
     pattern: Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"] = "slot"
-    period_um: Annotated[Positive, Field(le=10_000)] = 400.0
+    period_um: Annotated[float, Field(ge=1, le=10_000)] = 400.0
     min_aperture_um: Positive = 15.0
     min_web_um: Positive = 15.0
     angle_deg: Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)] = 22.5

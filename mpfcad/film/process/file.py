@@ -78,8 +78,8 @@ class _Row(_Strict):
 class _GrooveSize(_Strict):
     """The groove that the calibration was made in; the BEF of the thesis unless stated."""
 
-    pitch_um: Positive = 50.0
-    depth_um: Positive = 25.0
+    pitch_um: Annotated[float, Field(ge=1, le=2000)] = 50.0
+    depth_um: Annotated[float, Field(ge=0.1, le=2000)] = 25.0
 
 
 class _Tone(_Strict):

@@ -42,9 +42,11 @@ from mpfcad.pipeline.plan.field import (
     refuse_window,
 )
 from mpfcad.pipeline.plan.made import Drawn, draw_piece, read_measured
+from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.propose import with_screen
 from mpfcad.pipeline.plan.screen import with_own_catalogue
+from mpfcad.pipeline.plan.size import refuse_mesh
 
 CURVATURE_FILE = "curvature.csv"
 
@@ -140,6 +142,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         when a file or a value in it is wrong.
     """
     job_file = Path(job_file)
+    check_job_files(job, job_file)
     job = with_own_catalogue(job, job_file)
     folder = job_file.parent
     files = {
@@ -300,6 +303,7 @@ def _build_plan(
         curvature=curvature,
     )
     first, piece = _cut_piece(job, stack, panel)
+    refuse_mesh(job, piece.groove_count, where)
     drawn = draw_piece(job, piece, measured, where)
     return Plan(job, process, stack, panel, piece, drawn, first, measured=measured)
 

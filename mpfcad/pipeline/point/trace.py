@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpfcad.backlight import Quantity
+from mpfcad.boundary import guarded
 from mpfcad.errors import InputError
 from mpfcad.film import Groove
 from mpfcad.job import FilmTable, build_job
@@ -104,10 +105,15 @@ def describe_coordinate(coordinate: dict[str, Any]) -> str:
 
 def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
     """Return a point of a sweep."""
+    with guarded(file, "a sweep of a job's values"):
+        return _build_point(sweep, file, coordinate)
+
+
+def _build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
     document = sweep.job_document(coordinate)
     for table, key in (("map", "file"), ("process", "calibration"), ("stack", "file")):
         name = document.get(table, {}).get(key)
-        if name is not None:
+        if isinstance(name, str):
             document[table][key] = str((file.parent / name).resolve())
     if FILL_AXIS in coordinate:
         groove = validate(FilmTable, document.get("film", {}), f"{file}: film").groove

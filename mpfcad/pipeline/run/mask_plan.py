@@ -10,6 +10,7 @@ from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
 from mpfcad.pipeline.plan.field import has_field, read_field_film
+from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.plan import (
     Plan,
     groove_count,
@@ -97,6 +98,7 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
         when the job is wrong, or a groove or a mesh cannot be made.
     """
     job_file = Path(job_file)
+    check_job_files(job, job_file)
     job = with_own_catalogue(job, job_file)
     if has_field(job, job_file):
         return _read_field(job, job_file)

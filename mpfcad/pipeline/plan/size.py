@@ -1,0 +1,57 @@
+"""How large the files of a job become: what would need more than can be had is refused before work.
+
+Estimates are upper bounds; a refusal says which value would fit.
+"""
+
+import math
+
+from mpfcad.backlight import Stack
+from mpfcad.errors import InputError
+from mpfcad.job import Job
+
+_INCH = 25.4
+#: Largest picture [pixels]: 1 bit each, some minutes of one core.
+_PIXELS = 3e10
+#: Largest mesh [triangles]: about 200 bytes each in memory while it is made and checked.
+_TRIANGLES = 4e7
+
+
+def refuse_picture(job: Job, stack: Stack, formats: tuple[str, ...], where: str) -> None:
+    """Refuse a TIFF of the mask with more pixels than can be written in minutes.
+
+    Raises
+    ------
+    InputError
+        naming the resolution and the largest that fits.
+    """
+    if "tif" not in formats:
+        return
+    area = stack.panel_width * stack.panel_length / _INCH**2
+    pixels = area * job.mask.tif_dpi**2
+    if pixels > _PIXELS:
+        most = math.floor(math.sqrt(_PIXELS / area))
+        raise InputError(
+            f"{where}: mask.tif_dpi: {job.mask.tif_dpi:g}: {pixels / 1e9:.0f} gigapixels on "
+            f"{stack.panel_width:g} mm x {stack.panel_length:g} mm: expected at most {most} "
+            f"({_PIXELS / 1e9:.0f} gigapixels), or no tif"
+        )
+
+
+def refuse_mesh(job: Job, groove_count: int, where: str) -> None:
+    """Refuse a mesh of a piece of so many grooves that would not fit the memory.
+
+    Raises
+    ------
+    InputError
+        naming the facet angle and the smallest that fits.
+    """
+    # A groove's parabola turns by at most a right angle, in chords of two facets; ends are closed.
+    tolerance = job.cad.angle_tolerance_deg
+    triangles = groove_count * 4 * (90 / (2 * tolerance) + 4)
+    if triangles > _TRIANGLES:
+        room = _TRIANGLES / (4 * groove_count) - 4
+        fits = f"at least {90 / (2 * room):.2g}" if room > 9 else "a smaller piece"
+        raise InputError(
+            f"{where}: cad.angle_tolerance_deg: {tolerance:g}: up to {triangles / 1e6:.0f} million "
+            f"triangles in {groove_count} grooves: expected {fits} (or cad.extent = 'pitch')"
+        )
