@@ -126,7 +126,7 @@ def test_version():
         (["run", "job.toml", "--threads", "0"], "--threads"),
         (["mask", "job.toml", "--format", "oas,pdf"], "--format: pdf: must be of oas, gds"),
         (["cad", "job.toml", "--format", ","], "--format: ','"),
-        (["run", "nothing.toml"], "nothing.toml: cannot be read"),
+        (["run", "nothing.toml"], "nothing.toml: no such file"),
         (["trace", "nothing.stl"], "nothing.stl: no such file"),
         (["verify", "nothing"], "nothing: no such folder"),
     ],
