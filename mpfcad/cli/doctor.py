@@ -69,7 +69,7 @@ def _facts() -> dict[str, Any]:
 
 def _browser() -> str:
     from mpfcad.errors import InputError
-    from mpfcad.report.pdf import find_browser
+    from mpfcad.report.browser import find_browser
 
     try:
         return find_browser()

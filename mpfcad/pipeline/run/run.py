@@ -89,7 +89,7 @@ def run_job(
 
 
 def _browser() -> str:
-    from mpfcad.report.pdf import find_browser
+    from mpfcad.report.browser import find_browser
 
     return find_browser()
 
@@ -118,7 +118,7 @@ def _examine_and_report(
     progress.stage("writing report.html")
     write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
     if browser is not None:
-        from mpfcad.report.pdf import write_pdf
+        from mpfcad.report.browser import write_pdf
 
         progress.stage(f"printing {PRINTED}")
         write_pdf(folder / REPORT, folder / PRINTED, browser)

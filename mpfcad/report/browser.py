@@ -1,4 +1,4 @@
-"""A page as PDF, printed by a Chromium that is installed; nothing else draws its plots."""
+"""A page as PDF or picture, by a Chromium that is installed; nothing else draws its plots."""
 
 import os
 import re
@@ -64,28 +64,49 @@ def write_pdf(page: Path, path: Path, browser: str, paper: str = "A4") -> None:
     ExportError
         when the browser writes no PDF.
     """
+    style = f"@page {{ size: {paper}; }}"
+    _show(
+        page, path, browser, style, ("--no-pdf-header-footer", f"--print-to-pdf={path.resolve()}")
+    )
+    if not path.is_file() or not path.read_bytes().startswith(b"%PDF"):
+        raise ExportError(f"{path}: {browser} wrote no PDF")
+    path.write_bytes(without_dates(path.read_bytes()))
+
+
+def write_screenshot(page: Path, path: Path, browser: str, size: tuple[int, int]) -> None:
+    """Write a PNG of the page's first screen, `size` pixels across and down.
+
+    Raises
+    ------
+    ExportError
+        when the browser writes no picture.
+    """
+    window = f"--window-size={size[0]},{size[1]}"
+    _show(page, path, browser, "", ("--hide-scrollbars", window, f"--screenshot={path.resolve()}"))
+    if not path.is_file():
+        raise ExportError(f"{path}: {browser} wrote no picture")
+
+
+def _show(page: Path, path: Path, browser: str, style: str, options: tuple[str, ...]) -> None:
+    """Have a browser of its own show a page, a style sheet added, and end."""
     with tempfile.TemporaryDirectory() as profile:
         sized = Path(profile) / "page.html"
-        style = f"<style>@page {{ size: {paper}; }}</style></head>"
-        sized.write_text(page.read_text("utf-8").replace("</head>", style, 1), "utf-8")
+        text = page.read_text("utf-8").replace("</head>", f"<style>{style}</style></head>", 1)
+        sized.write_text(text, "utf-8")
         command = [
             browser,
             *OPTIONS,
             # A container's user often may not make the namespaces of the browser's sandbox.
             *(("--no-sandbox",) if hasattr(os, "geteuid") and os.geteuid() == 0 else ()),
             f"--user-data-dir={profile}/browser",
-            "--no-pdf-header-footer",
             "--virtual-time-budget=10000",
-            f"--print-to-pdf={path.resolve()}",
+            *options,
             sized.as_uri(),
         ]
         try:
-            done = subprocess.run(command, capture_output=True, timeout=_PATIENCE_S, check=False)
+            subprocess.run(command, capture_output=True, timeout=_PATIENCE_S, check=False)
         except subprocess.TimeoutExpired:
             raise ExportError(f"{path}: {browser} did not end within {_PATIENCE_S} s") from None
-    if not path.is_file() or not path.read_bytes().startswith(b"%PDF"):
-        raise ExportError(f"{path}: {browser} wrote no PDF: exit code {done.returncode}")
-    path.write_bytes(without_dates(path.read_bytes()))
 
 
 def without_dates(content: bytes) -> bytes:

@@ -1,0 +1,97 @@
+"""Makes the gallery: ten jobs that matter, each with its report's first screen as a picture.
+
+    python docs/gallery.py [--effort quick|standard|final] [--out docs/picture]
+
+It needs a Chromium (`mpfcad doctor` says whether there is one) and writes the pictures and
+docs/gallery.md.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+from mpfcad.cli import run_app
+from mpfcad.report.browser import find_browser, write_screenshot
+
+DOCS = Path(__file__).parent
+MASKS = DOCS.parent / "masks"
+#: Picture -> what it shows, and the command's arguments.
+RUNS = {
+    "uniform-c60": ("The thesis's best uniform film, 20 mm", MASKS / "uniform-c60.toml"),
+    "patterned-16mm": ("A slim backlight: C follows the lamps", MASKS / "patterned-16mm.toml"),
+    "plate": ("MPF-Plate: the grooves on the plate itself", MASKS / "gallery" / "plate.toml"),
+    "crossed": ("Two prism films, crossed", MASKS / "gallery" / "crossed.toml"),
+    "moulded": ("A moulded film: no mask", MASKS / "gallery" / "moulded.toml"),
+    "as-made": ("Tips and valleys as a tool leaves them", MASKS / "gallery" / "as-made.toml"),
+    "bef": ("One that fails: no resin", MASKS / "bef.toml"),
+}
+LEDS = {
+    "led-tv-20mm": "LED television: a lattice of lensed LEDs, 20 mm",
+    "led-automotive-6mm": "Automotive display: LEDs, 6 mm",
+    "mini-led-4mm": "Mini-LED: a chip every 4 mm",
+}
+SIZE, SHOWN = (1200, 1000), 800
+#: Colours of a picture; few, so that its file is small.
+_COLOURS = 48
+
+
+def main() -> int:
+    """Run every job and write its picture and the page."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--effort", default="quick")
+    parser.add_argument("--out", type=Path, default=DOCS / "picture")
+    parser.add_argument("--exports", type=Path, default=Path("exports/gallery"))
+    options = parser.parse_args()
+    browser = find_browser()
+    options.out.mkdir(parents=True, exist_ok=True)
+    lines = [
+        "# Gallery", "",
+        "Ten jobs and measurements, each with the first screen of its page.",
+        f"`python docs/gallery.py` makes all of it; here with `--effort {options.effort}`.", "",
+    ]  # fmt: skip
+    for name, (title, job) in RUNS.items():
+        folder = options.exports / name
+        code = run_app(["run", str(job), "--out", str(folder), "--effort", options.effort])
+        if code not in (0, 1):
+            return code
+        record = json.loads((folder / "verification.json").read_text("utf-8"))
+        low, high = record["lamp_mura_contrast"]["ci95"]
+        result = f"**{record['verdict']}**, contrast {low:.4f} … {high:.4f} (95 %)"
+        command = f"mpfcad run {job.relative_to(MASKS.parent).as_posix()}"
+        lines += _entry(name, title, result, command)
+        picture(folder / "report.html", options.out / f"{name}.png", browser)
+    film = options.exports / "uniform-c60" / "film.stl"
+    for stack, title in LEDS.items():
+        folder = options.exports / stack
+        arguments = ["measure", str(film), "--stack", stack, "--what", "contrast"]
+        code = run_app([*arguments, "--out", str(folder), "--effort", options.effort])
+        if code != 0:
+            return code
+        command = f"mpfcad measure exports/uniform-c60/film.stl --stack {stack} --what contrast"
+        lines += _entry(stack, title, "measured, no verdict", command)
+        picture(folder / "measure.html", options.out / f"{stack}.png", browser)
+    (DOCS / "gallery.md").write_text("\n".join(lines), "utf-8")
+    return 0
+
+
+def picture(page: Path, path: Path, browser: str) -> None:
+    """Write a page's first screen as a small picture."""
+    write_screenshot(page, path, browser, SIZE)
+    with Image.open(path) as shown:
+        height = round(shown.height * SHOWN / shown.width)
+        small = shown.convert("RGB").resize((SHOWN, height), Image.Resampling.LANCZOS)
+    small.quantize(_COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def _entry(name: str, title: str, result: str, command: str) -> list[str]:
+    return [
+        f"## {title}", "", f"{result}.", "", f"`{command}`", "",
+        f"![The page of {name}](picture/{name}.png)", "",
+    ]  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(main())
