@@ -1,0 +1,78 @@
+"""The documentation: its site builds without a warning, and what it tells one to type works."""
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command import mpfcad
+
+DOCS = Path(__file__).parents[2] / "docs"
+#: A block of a page: its language (`sh`: run, others: written where they name a file), its text.
+BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```", re.DOTALL | re.MULTILINE)
+NAMED = re.compile(r"# file: (\S+)\n")
+PAGES = ("tutorial", "howto-backlight", "howto-led")
+
+
+def blocks(page):
+    text = (DOCS / f"{page}.md").read_text("utf-8")
+    return [(found[1], found[2]) for found in re.findall(BLOCK, text)]
+
+
+def test_the_site_builds_strictly_and_asks_nothing_of_a_network(tmp_path):
+    command = [
+        sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", DOCS, tmp_path,
+    ]  # fmt: skip
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    for page in tmp_path.rglob("*.html"):
+        text = page.read_text("utf-8")
+        asked = re.findall(r'<(?:script|img|link|iframe)[^>]+(?:src|href)="(https?:[^"]+)"', text)
+        assert asked == [], page.name
+    assert "<math" in (tmp_path / "theory.html").read_text("utf-8")
+
+
+def test_every_page_stands_in_the_index():
+    index = (DOCS / "index.md").read_text("utf-8")
+    names = {path.stem for path in DOCS.glob("*.md")} - {"index"}
+    assert {name for name in names if not re.search(rf"^{name}$", index, re.MULTILINE)} == set()
+
+
+@pytest.mark.parametrize("page", sorted(path.stem for path in DOCS.glob("howto-*.md")))
+def test_commands_of_the_how_tos_are_those_of_the_program(page):
+    import typer
+
+    from mpfcad.cli.app import app
+
+    group = typer.main.get_command(app)
+    for _, text in blocks(page):
+        for line in re.findall(r"^ *mpfcad .*$", text, re.MULTILINE):
+            _, name, *arguments = shlex.split(line)
+            group.commands[name].make_context(name, arguments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES)
+def test_what_a_page_tells_one_to_type_works(page, tmp_path):
+    ran = 0
+    for language, text in blocks(page):
+        named = NAMED.match(text)
+        if named:
+            (tmp_path / named[1]).write_text(text[named.end() :], "utf-8")
+        if language != "sh":
+            continue
+        for line in text.strip().splitlines():
+            program, *arguments = shlex.split(line)
+            assert program == "mpfcad"
+            done = mpfcad(*arguments, cwd=tmp_path, timeout=1200)
+            # A film of a page may be INCONCLUSIVE after a quick trace, or fail.
+            assert done.returncode in ((0, 1) if arguments[0] in ("run", "verify") else (0,)), (
+                line,
+                done.stderr,
+            )
+            ran += 1
+    assert ran > 0
+    shutil.rmtree(tmp_path / "exports", ignore_errors=True)
