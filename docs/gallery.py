@@ -11,7 +11,7 @@ import json
 import sys
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageChops
 
 from mpfcad.cli import run_app
 from mpfcad.report.browser import find_browser, write_screenshot
@@ -28,14 +28,18 @@ RUNS = {
     "as-made": ("Tips and valleys as a tool leaves them", MASKS / "gallery" / "as-made.toml"),
     "bef": ("One that fails: no resin", MASKS / "bef.toml"),
 }
+#: The run whose plots the README shows.
+FEATURED = "patterned-16mm"
 LEDS = {
     "led-tv-20mm": "LED television: a lattice of lensed LEDs, 20 mm",
     "led-automotive-6mm": "Automotive display: LEDs, 6 mm",
     "mini-led-4mm": "Mini-LED: a chip every 4 mm",
 }
 SIZE, SHOWN = (1200, 1000), 800
-#: Colours of a picture; few, so that its file is small.
-_COLOURS = 48
+#: Picture of one plot -> the plot, and the folded part that it stands in.
+PLOTS = {"luminance": ("plot-luminance", ""), "film-3d": ("plot-grooves", "cad")}
+#: Colours of a picture, so that its file is small.
+_COLOURS = 255
 
 
 def main() -> int:
@@ -63,6 +67,11 @@ def main() -> int:
         command = f"mpfcad run {job.relative_to(MASKS.parent).as_posix()}"
         lines += _entry(name, title, result, command)
         picture(folder / "report.html", options.out / f"{name}.png", browser)
+        if name == FEATURED:
+            for file, (plot, part) in PLOTS.items():
+                plot_picture(
+                    folder / "report.html", options.out / f"{file}.png", browser, plot, part
+                )
     film = options.exports / "uniform-c60" / "film.stl"
     for stack, title in LEDS.items():
         folder = options.exports / stack
@@ -81,8 +90,27 @@ def picture(page: Path, path: Path, browser: str) -> None:
     """Write a page's first screen as a small picture."""
     write_screenshot(page, path, browser, SIZE)
     with Image.open(path) as shown:
-        height = round(shown.height * SHOWN / shown.width)
-        small = shown.convert("RGB").resize((SHOWN, height), Image.Resampling.LANCZOS)
+        _save_small(shown.convert("RGB"), path)
+
+
+def plot_picture(page: Path, path: Path, browser: str, plot: str, part: str) -> None:
+    """Write one plot of a page, without what stands around it, as a small picture."""
+    hidden = f"""
+        header, footer, main > #decision > :not(figure:has(#{plot})), details:not(:has(#{plot})),
+        details > :not(figure:has(#{plot})), figcaption {{ display: none !important; }}
+        details {{ border: 0; }}
+        body, main {{ background: #fff; padding: 12px; margin: 0; border: 0; }}
+    """
+    write_screenshot(page, path, browser, SIZE, style=hidden, target=part)
+    with Image.open(path) as shown:
+        picture = shown.convert("RGB")
+    blank = Image.new("RGB", picture.size, "white")
+    _save_small(picture.crop(ImageChops.difference(picture, blank).getbbox()), path)
+
+
+def _save_small(picture: Image.Image, path: Path) -> None:
+    height = round(picture.height * SHOWN / picture.width)
+    small = picture.resize((SHOWN, height), Image.Resampling.LANCZOS)
     small.quantize(_COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 

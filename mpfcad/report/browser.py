@@ -73,8 +73,18 @@ def write_pdf(page: Path, path: Path, browser: str, paper: str = "A4") -> None:
     path.write_bytes(without_dates(path.read_bytes()))
 
 
-def write_screenshot(page: Path, path: Path, browser: str, size: tuple[int, int]) -> None:
+def write_screenshot(
+    page: Path,
+    path: Path,
+    browser: str,
+    size: tuple[int, int],
+    *,
+    style: str = "",
+    target: str = "",
+) -> None:
     """Write a PNG of the page's first screen, `size` pixels across and down.
+
+    `style` is added to the page's style sheet; `target` is a part that is unfolded.
 
     Raises
     ------
@@ -82,12 +92,15 @@ def write_screenshot(page: Path, path: Path, browser: str, size: tuple[int, int]
         when the browser writes no picture.
     """
     window = f"--window-size={size[0]},{size[1]}"
-    _show(page, path, browser, "", ("--hide-scrollbars", window, f"--screenshot={path.resolve()}"))
+    options = ("--hide-scrollbars", window, f"--screenshot={path.resolve()}")
+    _show(page, path, browser, style, options, target)
     if not path.is_file():
         raise ExportError(f"{path}: {browser} wrote no picture")
 
 
-def _show(page: Path, path: Path, browser: str, style: str, options: tuple[str, ...]) -> None:
+def _show(
+    page: Path, path: Path, browser: str, style: str, options: tuple[str, ...], target: str = ""
+) -> None:
     """Have a browser of its own show a page, a style sheet added, and end."""
     with tempfile.TemporaryDirectory() as profile:
         sized = Path(profile) / "page.html"
@@ -101,7 +114,7 @@ def _show(page: Path, path: Path, browser: str, style: str, options: tuple[str, 
             f"--user-data-dir={profile}/browser",
             "--virtual-time-budget=10000",
             *options,
-            sized.as_uri(),
+            sized.as_uri() + (f"#{target}" if target else ""),
         ]
         try:
             subprocess.run(command, capture_output=True, timeout=_PATIENCE_S, check=False)

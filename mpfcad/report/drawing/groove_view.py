@@ -87,7 +87,7 @@ def scene(
             "yaxis": {"title": {"text": "along [µm]"}, **axis},
             "zaxis": {"title": {"text": "up [µm]"}, **axis},
             "aspectmode": "data",
-            "camera": {"eye": {"x": 1.0, "y": -1.7, "z": 1.0}},
+            "camera": {"eye": {"x": 1.15, "y": -1.95, "z": 1.15}},
         },
     )
     return figure

@@ -17,8 +17,9 @@ from mpfcad.report.drawing.strip import (
 from mpfcad.report.page.wording import GATES, verdict_sentence
 
 Record = dict[str, Any]
-#: The scale of contrasts ends at the largest of these parts of the wider limit and the interval.
-_LIMITS_SHOWN, _ROOM = 1.5, 1.1
+#: The scale of contrasts holds so much of the wider limit, this film's interval with some room, and
+#: the other films' as far as the limits can still be told apart.
+_LIMITS_SHOWN, _ROOM, _MOST = 1.5, 1.05, 4.0
 #: Inputs named in a line of what is assumed.
 _NAMED = 6
 
@@ -82,7 +83,12 @@ def _figures(record: Record) -> list[tuple[str, str, str]]:
 def scale_values(record: Record, films: list[tuple[str, Record]]) -> Record:
     """Return limits, threshold and intervals of (name, trace) as percent of the scale's length."""
     gate = record["gates"][0]
-    end = max(_LIMITS_SHOWN * gate["marginal_limit"], _ROOM * gate["ci95"][1])
+    widest = max(found["lamp_mura_contrast"]["ci95"][1] for _, found in films)
+    end = max(
+        _LIMITS_SHOWN * gate["marginal_limit"],
+        min(_ROOM * widest, _MOST * gate["marginal_limit"]),
+        _ROOM * gate["ci95"][1],
+    )
 
     def place(value: float) -> float:
         return round(100 * min(max(value / end, 0.0), 1.0), 3)
