@@ -20,13 +20,13 @@ DOCS = Path(__file__).parent
 MASKS = DOCS.parent / "masks"
 #: Picture -> what it shows, and the command's arguments.
 RUNS = {
-    "uniform-c60": ("The thesis's best uniform film, 20 mm", MASKS / "uniform-c60.toml"),
     "patterned-16mm": ("A slim backlight: C follows the lamps", MASKS / "patterned-16mm.toml"),
-    "plate": ("MPF-Plate: the grooves on the plate itself", MASKS / "gallery" / "plate.toml"),
-    "crossed": ("Two prism films, crossed", MASKS / "gallery" / "crossed.toml"),
-    "moulded": ("A moulded film: no mask", MASKS / "gallery" / "moulded.toml"),
-    "as-made": ("Tips and valleys as a tool leaves them", MASKS / "gallery" / "as-made.toml"),
+    "uniform-c60": ("The thesis's best uniform film, 20 mm", MASKS / "uniform-c60.toml"),
     "bef": ("One that fails: no resin", MASKS / "bef.toml"),
+    "plate": ("MPF-Plate: the grooves on the plate itself", MASKS / "gallery" / "plate.toml"),
+    "moulded": ("A moulded film: no mask", MASKS / "gallery" / "moulded.toml"),
+    "crossed": ("Two prism films, crossed", MASKS / "gallery" / "crossed.toml"),
+    "as-made": ("Tips and valleys as a tool leaves them", MASKS / "gallery" / "as-made.toml"),
 }
 #: The run whose plots the README shows.
 FEATURED = "patterned-16mm"

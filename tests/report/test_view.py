@@ -31,7 +31,7 @@ def record(name, contrast):
             "position_pitch": [i / 32 for i in range(33)],
             "luminance_cd_m2": [7000 * v for v in CURVE], "standard_error_cd_m2": [10.0] * 33,
         },
-        "fit": {"coefficient_cd_m2": [7000.0, 7000 * contrast, 0.0]},
+        "curve": {"luminance_cd_m2": [7000 * v for v in CURVE]},
         "inputs": [{"name": "map.curvature_per_mm", "value": contrast, "tag": "given"}],
     }  # fmt: skip
 
@@ -46,6 +46,10 @@ def exports(tmp_path):
         (folder / "report.html").write_text(f"<title>{folder.name}</title>")
         (folder / "mask.oas").write_bytes(b"oasis")
         write_manifest(folder, folder.name, "run")
+    old = root / "old"
+    old.mkdir()
+    (old / "verification.json").write_text('{"verdict": "PASS"}')
+    write_manifest(old, "old", "run")
     (root / "broken").mkdir()
     (root / "broken" / "manifest.json").write_text("{")
     (root / ".hidden").mkdir()
@@ -77,6 +81,7 @@ def test_exports_are_found_by_place_and_broken_ones_left_out(exports):
     assert found == {
         "deep/bad": ("FAIL", "deep/bad/report.html"),
         "good": ("PASS", "good/report.html"),
+        "old": ("PASS", "old/manifest.json"),
     }
 
 
@@ -95,7 +100,13 @@ def test_two_runs_beside_each_other(server):
     assert status == 200
     for words in ("0.0040 [0.0030, 0.0050]", "0.0300 [0.0290, 0.0310]", "map.curvature_per_mm"):
         assert words in content.decode()
-    for query in ("run=good", "run=good&run=none", "run=good&run=good&run=good", ""):
+    for query in (
+        "run=good",
+        "run=good&run=none",
+        "run=good&run=old",
+        "run=good&run=good&run=good",
+        "",
+    ):
         assert get(server, f"/{server.token}/pair?{query}")[0] == 404
 
 

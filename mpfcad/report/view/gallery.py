@@ -93,13 +93,23 @@ def _document(path: Path) -> dict[str, Any]:
 def gallery_page(folder: Path) -> str:
     """Return the page of all exports under a folder, with their verdicts."""
     exports = find_exports(folder)
-    runs = [one for one in exports if one.verdict]
+    scales = {one.place: _scale(one) for one in exports}
     return render(
         "gallery.html.j2",
         folder=folder.name or str(folder),
-        runs=[(one, scale_values(one.record, [("this film", one.record)])) for one in runs],
-        others=[one for one in exports if not one.verdict],
+        runs=[(one, scales[one.place]) for one in exports if scales[one.place]],
+        others=[one for one in exports if not scales[one.place]],
     )
+
+
+def _scale(export: Export) -> dict[str, Any] | None:
+    """Return what the scale of a run shows; None of another export, or of another version's."""
+    if not export.verdict:
+        return None
+    try:
+        return scale_values(export.record, [("this film", export.record)])
+    except (LookupError, TypeError):
+        return None
 
 
 def comparison_page(folder: Path, places: list[str]) -> str | None:
@@ -108,6 +118,8 @@ def comparison_page(folder: Path, places: list[str]) -> str | None:
     if len(places) != 2 or not all(place in runs for place in places):
         return None
     chosen = [runs[place] for place in places]
+    if not all("curve" in one.record for one in chosen):  # another version's
+        return None
     names = [one.name if chosen[0].name != chosen[1].name else one.place for one in chosen]
     films = [(name, one.record) for name, one in zip(names, chosen, strict=True)]
     curves = [
