@@ -66,6 +66,7 @@ def main() -> int:
         result = f"**{record['verdict']}**, contrast {low:.4f} … {high:.4f} (95 %)"
         command = f"mpfcad run {job.relative_to(MASKS.parent).as_posix()}"
         lines += _entry(name, title, result, command)
+        _write(lines)
         picture(folder / "report.html", options.out / f"{name}.png", browser)
         if name == FEATURED:
             for file, (plot, part) in PLOTS.items():
@@ -82,8 +83,13 @@ def main() -> int:
         command = f"mpfcad measure exports/uniform-c60/film.stl --stack {stack} --what contrast"
         lines += _entry(stack, title, "measured, no verdict", command)
         picture(folder / "measure.html", options.out / f"{stack}.png", browser)
-    (DOCS / "gallery.md").write_text("\n".join(lines), "utf-8")
+        _write(lines)
     return 0
+
+
+def _write(lines: list[str]) -> None:
+    """Write the page as far as it is."""
+    (DOCS / "gallery.md").write_text("\n".join(lines), "utf-8")
 
 
 def picture(page: Path, path: Path, browser: str) -> None:

@@ -13,8 +13,10 @@ import pytest
 from browser import here
 from pypdf import PdfReader
 
+from mpfcad.errors import InputError
 from mpfcad.job import read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job
+from mpfcad.report.browser import write_pdf
 
 #: Phone to 4K.
 WIDTHS = (390, 768, 1200, 1920, 3840)
@@ -173,3 +175,25 @@ def test_a_printed_page_shows_the_whole_verdict(browser, export, paper):
 
 def test_the_page_is_small(export):
     assert (export / "report.html").stat().st_size < 8e6
+
+
+def test_pdf_has_no_date_and_lies_on_a4(export, tmp_path):
+    from browser import CHROMIUM
+
+    if not CHROMIUM:
+        assert "chromium" not in here()
+        return
+    write_pdf(export / "report.html", tmp_path / "report.pdf", CHROMIUM)
+    printed = PdfReader(tmp_path / "report.pdf")
+    assert printed.metadata.creation_date.year == 2000
+    width, height = (float(side) * 25.4 / 72 for side in printed.pages[0].mediabox[2:])
+    assert (round(width), round(height)) == (210, 297)
+
+
+def test_without_a_chromium_pdf_is_refused_before_any_work(monkeypatch, tmp_path):
+    monkeypatch.setenv("MPFCAD_BROWSER", "no-such-browser")
+    job = tmp_path / "job.toml"
+    job.write_text('name = "x"\n[map]\ncurvature_per_mm = 60.0\n')
+    with pytest.raises(InputError, match="--pdf: no Chromium found: expected one of MPFCAD"):
+        run_job(read_job(job), job, tmp_path / "out", pdf=True)
+    assert not (tmp_path / "out").exists()

@@ -9,7 +9,7 @@ from mpfcad.report.page.environment import render
 from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.film_section import film_values
 from mpfcad.report.page.mask_section import mask_values
-from mpfcad.report.page.section import input_values, luminance_values
+from mpfcad.report.page.section import chain_values, input_values, luminance_values
 from mpfcad.report.page.wording import gate_values
 
 #: Title and template of each section, in the page's order.
@@ -38,6 +38,7 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         sections=SECTIONS,
         decision=decision_values(record),
         gates=[gate_values(gate) for gate in record["gates"]],
+        chain=chain_values(record),
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
         input=input_values(evidence),
         film=film_values(record, evidence),

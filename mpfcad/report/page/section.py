@@ -14,6 +14,24 @@ def input_values(evidence: Evidence) -> dict[str, Any]:
     return {"drawing": draw_stack(evidence.stack)}
 
 
+def chain_values(record: Record) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return the steps from the job to the trace, each with (file, its SHA-256)."""
+    provenance = record["provenance"]
+    made, traced = provenance["sha256"], provenance["traced"]
+
+    def files(*starts: str) -> list[tuple[str, str]]:
+        return [(name, digest) for name, digest in made.items() if name.startswith(starts)]
+
+    steps = [
+        ("job and map", list(provenance["inputs_sha256"].items())),
+        ("curvature", files("curvature.")),
+        ("mask", [pair for pair in files("mask.") if not pair[0].endswith((".png", ".lyrdb"))]),
+        ("CAD", files("film.")),
+        ("traced", [(traced["file"], traced["sha256"])]),
+    ]
+    return [(step, found) for step, found in steps if found]
+
+
 def luminance_values(record: Record) -> dict[str, Any]:
     """Return the figures of every trace, and their energy balances beside each other."""
     names = {
