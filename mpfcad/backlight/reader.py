@@ -138,9 +138,8 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         if not isinstance(base, str):
             raise InputError(f"{where}: extends: {base!r}: expected a preset's or a file's name")
         beside = path.parent / base
-        text = _read(
-            beside if beside.suffix == ".toml" and beside.is_file() else base, seen | {str(path)}
-        )
+        found = beside if beside.suffix == ".toml" and beside.exists() else base
+        text = _extended(f"{where}: extends", found, seen | {str(path)})
     values = table.get("value", {})
     if not isinstance(values, dict):
         raise InputError(f"{where}: value: {values!r}: must be a table")
@@ -159,6 +158,14 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
     text.title = str(table.get("title", text.title))
     text.extent = table.get("extent", text.extent)
     return text
+
+
+def _extended(where: str, name: str | Path, seen: set[str]) -> _Text:
+    try:
+        return _read(name, seen)
+    except InputError as error:
+        text = str(error)
+        raise InputError(text if ": extends: " in text else f"{where}: {text}") from None
 
 
 def _find(name: str | Path) -> Path:

@@ -22,7 +22,7 @@ def one_line(text: str, limit: int = LINE_LIMIT - len("mpfcad: ")) -> str:
 
 
 def _escaped(sign: str) -> str:
-    if ord(sign) < 127:
+    if ord(sign) < 128:
         return repr(sign)[1:-1]
     return sign.encode("ascii", "backslashreplace").decode()
 

@@ -108,7 +108,7 @@ def read_sealed(path: Path) -> dict[str, Any]:
     manifest = _read(path)
     try:
         intact = encoded(canonical_json(_sealed(manifest))) == path.read_bytes()
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         intact = False
     if not intact:
         raise ExportError(f"{path}: changed: it does not match its own self_sha256")

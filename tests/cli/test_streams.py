@@ -116,7 +116,9 @@ def test_two_runs_at_once_leave_one_whole_export(folder):
     check_manifest(folder / "exports" / "a-mask")
 
 
-@pytest.mark.parametrize("text", ["a\x1b[31mb", "a\nb\tc\r", "\x00\x07", "\u202eab", "x" * 5000])
+@pytest.mark.parametrize(
+    "text", ["a\x1b[31mb", "a\nb\tc\r", "\x00\x07\x7f\x80", "\u202eab", "x" * 5000]
+)
 def test_a_line_has_no_control_character_and_an_end(text):
     line = one_line(f"job.toml: map.file: {text}: expected a file")
     assert line.isprintable() and len(line) <= 292
