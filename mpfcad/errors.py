@@ -1,7 +1,8 @@
-"""The errors of the house, one class a kind of trouble.
+"""The errors of the package, one class a kind of trouble; each ends a command with one line.
 
-Only `InputError` is the user's to mend: the command line prints it as one line and ends with exit
-code 2. The others mean that something of ours went wrong and end with exit code 3.
+`InputError` is the user's to mend: exit code 2. `ExportError` says that a file is not what it
+should be: exit code 1, and 4 where `mpfcad verify` finds an export changed. The others mean that
+something of ours went wrong: exit code 3.
 """
 
 

@@ -16,6 +16,7 @@ LAYER = {
     "units": 0,
     "errors": 0,
     "sound": 0.5,
+    "gate": 0.5,
     "compiling": 0,
     "boundary": 1,
     "store": 2,

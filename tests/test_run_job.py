@@ -88,7 +88,7 @@ def test_one_changed_byte_fails_at_once_and_names_the_file(copy, name, capsys, m
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
     path.write_bytes(content)
-    assert run_app(["verify", str(copy)]) == 1
+    assert run_app(["verify", str(copy)]) == 4
     error = [line for line in capsys.readouterr().err.splitlines() if line.startswith("mpfcad: ")]
     assert len(error) == 1
     assert name in error[0]
@@ -106,7 +106,7 @@ def test_verification_document_holds_what_its_schema_says(export):
     assert {entry["tag"] for entry in record["inputs"]} == {"given", "sourced", "assumed"}
     assert record["provenance"]["traced"]["sha256"] == record["provenance"]["sha256"]["film.stl"]
     assert record["provenance"]["command"] == "mpfcad run patterned-16mm.toml --effort quick"
-    assert [gate["outcome"] for gate in record["gates"][1:]] == ["PASS"] * 14
+    assert {gate["outcome"] for gate in record["gates"][1:]} == {"PASS"}
 
 
 def test_verification_document_is_documented(export):

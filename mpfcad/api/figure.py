@@ -26,8 +26,10 @@ class Figure(NamedTuple):
     high: float
 
     @classmethod
-    def of(cls, entry: Mapping[str, Any]) -> "Figure":
-        """Return the figure of an entry `{value, ci95}` of a record."""
+    def of(cls, entry: Mapping[str, Any] | None) -> "Figure":
+        """Return the figure of an entry `{value, ci95}` of a record; NaN where not traced."""
+        if entry is None or entry["value"] is None:
+            return cls(float("nan"), float("nan"), float("nan"))
         low, high = entry.get("ci95") or (entry["value"], entry["value"])
         return cls(float(entry["value"]), float(low), float(high))
 

@@ -1,8 +1,9 @@
 """The command line: one file a subcommand, and the exit codes.
 
-0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE, 2 bad input, 3 anything else, 130 interrupted. Every
-error is one line on stderr; `--debug` or MPFCAD_DEBUG=1 adds the traceback. Nothing heavy is
-imported before a subcommand needs it, so that `--help` is instant.
+0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE (of a verdict, or of a file that was made), 2 bad input,
+3 what nobody foresaw, 4 `verify` found an export changed, 130 interrupted. Every error is one line
+on stderr; `--debug` or MPFCAD_DEBUG=1 adds the traceback. Nothing heavy is imported before a
+subcommand needs it, so that `--help` is instant.
 """
 
 import signal
@@ -53,7 +54,7 @@ def _stop(number: int, frame: object) -> None:
 
 def _exit_code(error: BaseException) -> int:
     """Print one line for `error` and return the exit code it stands for."""
-    from mpfcad.errors import InputError
+    from mpfcad.errors import ExportError, InputError
 
     if isinstance(error, SystemExit) and error.code == _TERMINATED:
         return _stopped("terminated", _TERMINATED)
@@ -63,6 +64,8 @@ def _exit_code(error: BaseException) -> int:
         return _stopped("interrupted", 130)
     if isinstance(error, InputError):
         return _fail(str(error), 2)
+    if isinstance(error, ExportError):
+        return _fail(str(error), 1)
     if hasattr(error, "format_message"):  # what typer raises on wrong usage
         return _fail(f"{error.format_message()} (see mpfcad --help)", 2)
     if isinstance(error, MemoryError):

@@ -31,7 +31,10 @@ _DEBUG = "MPFCAD_DEBUG"
 app = typer.Typer(
     name="mpfcad",
     help="From a curvature map to a verified multi-performance film.",
-    epilog="Exit codes: 0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE, 2 bad input, 3 anything else.",
+    epilog=(
+        "Exit codes: 0 PASS or MARGINAL, 1 FAIL or INCONCLUSIVE, 2 bad input, 3 anything else, "
+        "4 verify found an export changed."
+    ),
     no_args_is_help=False,
     cls=GroupedHelp,
     add_completion=True,

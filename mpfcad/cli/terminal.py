@@ -162,15 +162,7 @@ def _live_bar() -> Any:
 def print_gates(record: dict[str, Any]) -> None:
     """Print one line a gate, and what the printability is."""
     for gate in record["gates"]:
-        interval, value = "", f"{gate['value']:.4g}"
-        if gate["ci95"] is not None:
-            low, high = gate["ci95"]
-            interval, value = f" [{low:.4f}, {high:.4f}]", f"{gate['value']:.4f}"
-        limit = f"{'≥' if gate.get('at_least') else '≤'} {gate['limit']:.6g}"
-        if "marginal_limit" in gate:
-            limit += f" (marginal ≤ {gate['marginal_limit']:.6g})"
-        value += interval
-        print(f"{gate['outcome']:<13}{gate['name']:<40}{value:<28}{limit}")
+        print(gate_line(gate))
     if record.get("printability") is not None:
         print(f"printability: {record['printability']}")
 
@@ -178,11 +170,27 @@ def print_gates(record: dict[str, Any]) -> None:
 def print_verdict(verification: dict[str, Any], folder: Path) -> None:
     """Print the verdict, one line a gate, and where the report is."""
     print_gates(verification)
-    mean = verification["mean_luminance_cd_m2"]["value"]
-    relative = verification["relative_luminance"]
-    print(f"mean normal luminance {mean:.0f} cd/m2, {relative:.3f} of the conventional stack")
+    mean, relative = verification["mean_luminance_cd_m2"], verification["relative_luminance"]
+    if mean is not None:
+        print(
+            f"mean normal luminance {mean['value']:.0f} cd/m2, {relative:.3f} of the conventional "
+            "stack"
+        )
     note = ", phototool only" if verification.get("printability") == "phototool only" else ""
     print(f"{verification['verdict']}{note}: {folder / 'report.html'}")
+
+
+def gate_line(gate: dict[str, Any]) -> str:
+    """Return a gate as one line: outcome, name, value with interval, limit, and what is wrong."""
+    value = "not measured" if gate["value"] is None else f"{gate['value']:.4g}"
+    if gate["ci95"] is not None:
+        low, high = gate["ci95"]
+        value = f"{gate['value']:.4f} [{low:.4f}, {high:.4f}]"
+    limit = f"{'≥' if gate.get('at_least') else '≤'} {gate['limit']:.6g}"
+    if "marginal_limit" in gate:
+        limit += f" (marginal ≤ {gate['marginal_limit']:.6g})"
+    line = f"{gate['outcome']:<13}{gate['name']:<40}{value:<28}{limit}"
+    return f"{line}  {gate['detail']}" if "detail" in gate else line
 
 
 def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:

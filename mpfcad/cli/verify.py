@@ -9,6 +9,9 @@ import typer
 from mpfcad.cli.option import Json, Junit, Threads
 from mpfcad.cli.sign import print_json
 
+#: Exit code of an export of which a file is changed or a figure differs; its verdict is void.
+CHANGED = 4
+
 
 def command(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="An export of mpfcad run.")],
@@ -36,7 +39,7 @@ def command(
         print_json(_result(verification, changed))
     if changed is not None:
         print(f"mpfcad: {one_line(changed)}", file=sys.stderr)
-        return 1
+        return CHANGED
     if not json:
         print("verified: every hash holds, and the figures come out the same bit for bit")
         print_verdict(verification, folder)

@@ -4,7 +4,10 @@
 values; `describe_…` does the same for single measures. Nothing here draws or writes a page.
 """
 
+from mpfcad.gate import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.record.cell import describe_cell
+from mpfcad.record.difference import find_difference
+from mpfcad.record.file import ResinCheck
 from mpfcad.record.junit import junit_report, write_junit
 from mpfcad.record.measurement import (
     MEASUREMENT_SCHEMA,
@@ -19,20 +22,19 @@ from mpfcad.record.measurement import (
     ratio,
 )
 from mpfcad.record.published import SCHEMAS, published_schema
-from mpfcad.record.verdict import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
+from mpfcad.record.verdict import ORDER, in_order
 from mpfcad.record.verification import (
     CONTRAST_FORMULA,
     Checks,
-    ResinCheck,
     build_gates,
     build_verification,
     describe_luminance,
-    find_difference,
 )
 
 __all__ = [
     "CONTRAST_FORMULA",
     "MEASUREMENT_SCHEMA",
+    "ORDER",
     "OUTCOMES",
     "SCHEMAS",
     "Checks",
@@ -53,6 +55,7 @@ __all__ = [
     "describe_uniformity",
     "exit_code",
     "find_difference",
+    "in_order",
     "junit_report",
     "published_schema",
     "ratio",

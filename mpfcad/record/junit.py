@@ -35,9 +35,10 @@ def write_junit(path: Path, record: dict[str, Any], *, changed: str | None = Non
 
 def _message(gate: dict[str, Any]) -> str:
     sign = ">=" if gate.get("at_least") else "<="
-    words = f"{gate['outcome']}: {gate['value']:.6g}, expected {sign} {gate['limit']:.6g}"
+    value = "not measured" if gate["value"] is None else f"{gate['value']:.6g}"
+    words = f"{gate['outcome']}: {value}, expected {sign} {gate['limit']:.6g}"
     if "marginal_limit" in gate:
         words += f" (marginal {sign} {gate['marginal_limit']:.6g})"
     if gate["ci95"] is not None:
         words += f", 95 % interval {gate['ci95'][0]:.6g} to {gate['ci95'][1]:.6g}"
-    return words
+    return f"{words}: {gate['detail']}" if "detail" in gate else words

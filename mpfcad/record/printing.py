@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mpfcad.film.process.model import NORMAL_95
+from mpfcad.gate import Gate, Outcome, worst_outcome
 from mpfcad.mask import MaskCheck
 from mpfcad.mask.screen.printing import Printing
-from mpfcad.record.verdict import Gate, Outcome, worst_outcome
 from mpfcad.units import nm, um
 
 #: What is said instead of a judgement when the job names no mesh.

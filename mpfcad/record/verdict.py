@@ -1,88 +1,51 @@
-"""Gates and the verdict: what is decided, from which figure, against which limit.
+"""The gates of a verdict in their order; what a gate is stands in `mpfcad.gate`."""
 
-A gate with an interval is decided by the interval, never by the value alone. Of the contrast's two
-limits (PASS up to `limit`, MARGINAL up to `marginal`) and its 95 % interval [low, high]:
+from collections.abc import Iterable
 
-    high ≤ limit                  PASS          certainly within the first limit
-    high ≤ marginal               MARGINAL      certainly within the second, not surely the first
-    low > marginal                FAIL          certainly outside
-    otherwise                     INCONCLUSIVE  the interval straddles the limit that accepts
+from mpfcad.gate import Gate, worst_of_each
 
-So an interval across the first limit alone is MARGINAL: that much is certain, and it is never PASS.
-Comparisons are written so that NaN is never a PASS.
-"""
+#: Every gate that a verdict may have, in the order of report and command line.
+ORDER = (
+    "lamp_mura_contrast",
+    "mask_file_as_written",
+    "mask_aperture_ratio_error",
+    "mask_rule_violations",
+    "screen_release",
+    "screen_ratio_min",
+    "screen_ratio_max",
+    "screen_aperture_um",
+    "screen_web_um",
+    "screen_ripple_per_mm",
+    "screen_ripple_luminance",
+    "screen_registration_per_mm",
+    "step_valid",
+    "step_volume_error",
+    "step_extent_error_um",
+    "step_curvature_error",
+    "step_place_error_um",
+    "mesh_watertight",
+    "mesh_volume_error",
+    "mesh_extent_error_um",
+    "mesh_normal_error_deg",
+    "mesh_normal_error_deg_rms",
+    "mesh_height_error_um",
+    "mesh_curvature_error_per_mm",
+    "step_mesh_distance_um",
+    "step_mesh_volume_difference",
+    "mask_mesh_curvature_difference_per_mm",
+    "resin_volume_difference",
+    "traced_file_is_shipped_file",
+    "energy_imbalance_sigma",
+    "energy_lost",
+)
 
-from dataclasses import dataclass
-from typing import Any, Literal
 
-Outcome = Literal["PASS", "MARGINAL", "INCONCLUSIVE", "FAIL"]
-#: From best to worst; the verdict is the worst of its gates.
-OUTCOMES: tuple[Outcome, ...] = ("PASS", "MARGINAL", "INCONCLUSIVE", "FAIL")
+def in_order(gates: Iterable[Gate]) -> list[Gate]:
+    """Return one gate of each name, the worst, in the order of `ORDER`.
 
-
-@dataclass(frozen=True)
-class Gate:
-    """One figure against its limit.
-
-    Attributes
-    ----------
-    name
-        what is judged, with the unit of its value as suffix
-    value
-        the figure; 1.0 or 0.0 for a yes/no gate, whose limit is 1
-    limit
-        the figure must be at most this (`at_least`: at least this)
-    interval
-        its 95 % interval, None for a figure without statistical error
-    marginal
-        the second, wider limit, if there is one
-    at_least
-        whether `limit` is a lower limit
+    Raises
+    ------
+    ValueError
+        for a gate that `ORDER` does not have, and so the report no words for.
     """
-
-    name: str
-    value: float
-    limit: float
-    interval: tuple[float, float] | None = None
-    marginal: float | None = None
-    at_least: bool = False
-
-    @property
-    def outcome(self) -> Outcome:
-        """PASS, MARGINAL, INCONCLUSIVE or FAIL, by the interval where there is one."""
-        if self.interval is None:
-            within = self.value >= self.limit if self.at_least else self.value <= self.limit
-            return "PASS" if within else "FAIL"
-        low, high = self.interval
-        widest = self.limit if self.marginal is None else self.marginal
-        if high <= self.limit:
-            return "PASS"
-        if high <= widest:
-            return "MARGINAL"
-        return "FAIL" if low > widest else "INCONCLUSIVE"
-
-    def document(self) -> dict[str, Any]:
-        """Return the gate as it stands in verification.json."""
-        document: dict[str, Any] = {
-            "name": self.name,
-            "value": self.value,
-            "ci95": None if self.interval is None else list(self.interval),
-            "limit": self.limit,
-        }
-        if self.at_least:
-            document["at_least"] = True
-        if self.marginal is not None:
-            document["marginal_limit"] = self.marginal
-        return {**document, "outcome": self.outcome}
-
-
-def worst_outcome(gates: list[Gate]) -> Outcome:
-    """Return the worst outcome of the gates; without any gate nothing is decided."""
-    if not gates:
-        return "INCONCLUSIVE"
-    return max((gate.outcome for gate in gates), key=OUTCOMES.index)
-
-
-def exit_code(outcome: Outcome) -> int:
-    """Return 0 for PASS and MARGINAL, 1 for FAIL and INCONCLUSIVE."""
-    return 0 if outcome in ("PASS", "MARGINAL") else 1
+    return sorted(worst_of_each(gates), key=lambda gate: ORDER.index(gate.name))

@@ -4,51 +4,34 @@ docs/verification.md says what each key means. The document holds no time, no ab
 nothing that depends on the number of threads, so the same job gives the same bytes.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.gate import Gate, worst_outcome, yes_no
 from mpfcad.mask import MaskCheck
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import Estimate, LuminanceResult
+from mpfcad.measure.rounds import LOST_LIMIT
+from mpfcad.record.file import (
+    ResinCheck,
+    describe_agreement,
+    describe_masks,
+    describe_mesh,
+    describe_resin,
+    describe_step,
+)
 from mpfcad.record.printing import PrintLimits, mask_gates, print_gates, printability
-from mpfcad.record.verdict import Gate, worst_outcome
-from mpfcad.units import deg, um
+from mpfcad.record.verdict import in_order
 
 SCHEMA = 1
 CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
-#: Limits of the files and of the trace; the contrast's are the job's.
-STEP_VOLUME_LIMIT = 1e-9
+#: Limits of what is found from several files, and of the trace. Those of one file stand where it is
+#: checked, the contrast's are the job's.
 CURVATURE_LIMIT = 0.1
 RESIN_LIMIT = 0.001
-LOST_LIMIT = 1e-6
 BALANCE_LIMIT = 5.0
-
-
-@dataclass(frozen=True)
-class ResinCheck:
-    """The resin of the piece, by the masks and in the mesh; volumes in mm³.
-
-    Attributes
-    ----------
-    by_mask
-        what each mask file gives, by its name: aperture ratios read back, through the process, over
-        the area of the piece
-    in_mesh
-        volume of film.stl less that of the bare prisms
-    full
-        of grooves filled to their tips
-    """
-
-    by_mask: Mapping[str, float]
-    in_mesh: float
-    full: float
-
-    @property
-    def difference(self) -> float:
-        """Largest difference between a mask and the mesh, as a share of full grooves."""
-        return max(abs(volume - self.in_mesh) for volume in self.by_mask.values()) / self.full
 
 
 @dataclass(frozen=True)
@@ -58,11 +41,13 @@ class Checks:
     Attributes
     ----------
     mask
-        check of each mask file by its name; empty without a mask
+        check of each mask file by its name; without those that do not read back as masks
     step, mesh
-        checks of film.step and film.stl
+        checks of film.step and film.stl; None where the file does not read back as one
     agreement
-        film.step against film.stl
+        film.step against film.stl; None unless both do
+    gates
+        of the files, each as often as there are files
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm]; None of a measured surface
     resin
@@ -74,9 +59,10 @@ class Checks:
     """
 
     mask: Mapping[str, MaskCheck]
-    step: StepCheck
-    mesh: MeshCheck
-    agreement: Agreement
+    step: StepCheck | None
+    mesh: MeshCheck | None
+    agreement: Agreement | None
+    gates: Sequence[Gate]
     curvature_difference: float | None
     resin: ResinCheck | None
     is_traced_file: bool
@@ -85,54 +71,49 @@ class Checks:
 
 def build_gates(
     checks: Checks,
-    luminance: LuminanceResult,
+    luminance: LuminanceResult | None,
     *,
     contrast_pass: float,
     contrast_marginal: float,
     print_limits: PrintLimits,
 ) -> list[Gate]:
-    """Return the gates in the order of the report; contrasts as fractions."""
-    contrast = luminance.contrast
-    step, mesh, agreement = checks.step, checks.mesh, checks.agreement
-    lost = luminance.energy["lost"] / luminance.energy["in"]
-    gates = [
-        Gate(
-            "lamp_mura_contrast",
-            contrast.value,
-            contrast_pass,
-            (contrast.low, contrast.high),
-            contrast_marginal,
+    """Return the gates in the order of the report; contrasts as fractions.
+
+    Without a mesh that can be traced there is no `luminance`, and the contrast is not decided.
+    """
+    difference, resin = checks.curvature_difference, checks.resin
+    gates = [contrast_gate(luminance, contrast_pass, contrast_marginal), *checks.gates]
+    gates += mask_gates(checks.mask)
+    gates += print_gates(checks.printing, checks.mask, print_limits)
+    if difference is not None:
+        name = "mask_mesh_curvature_difference_per_mm"
+        gates.append(Gate(name, difference, CURVATURE_LIMIT, detail="film.stl"))
+    if resin is not None:
+        name = "resin_volume_difference"
+        gates.append(Gate(name, resin.difference, RESIN_LIMIT, detail="film.stl"))
+    if luminance is not None:
+        gates.append(yes_no("traced_file_is_shipped_file", checks.is_traced_file, "film.stl"))
+        gates += energy_gates(luminance.energy)
+    return in_order(gates)
+
+
+def contrast_gate(luminance: LuminanceResult | None, limit: float, marginal: float) -> Gate:
+    """Return the gate of the lamp-Mura contrast."""
+    if luminance is None:
+        return Gate(
+            "lamp_mura_contrast", None, limit, None, marginal, detail="film.stl: not traced"
         )
-    ]
+    found = luminance.contrast
+    return Gate("lamp_mura_contrast", found.value, limit, (found.low, found.high), marginal)
+
+
+def energy_gates(energy: dict[str, Any]) -> list[Gate]:
+    """Return the gates of a trace's energy."""
+    lost = energy["lost"] / energy["in"]
     return [
-        *gates,
-        *mask_gates(checks.mask),
-        *print_gates(checks.printing, checks.mask, print_limits),
-        Gate("step_valid", float(step.valid), 1.0, at_least=True),
-        Gate("step_volume_error", step.volume_error, STEP_VOLUME_LIMIT),
-        Gate("mesh_watertight", float(mesh.watertight), 1.0, at_least=True),
-        Gate("mesh_volume_error", abs(mesh.volume_error), mesh.volume_limit),
-        Gate("mesh_normal_error_deg", mesh.normal_error_max / deg, mesh.normal_error_limit / deg),
-        Gate("step_mesh_distance_um", agreement.distance_max / um, agreement.distance_limit / um),
-        Gate("step_mesh_volume_difference", agreement.volume_difference, agreement.volume_limit),
-        *_curvature_gate(checks.curvature_difference),
-        *_resin_gate(checks.resin),
-        Gate("traced_file_is_shipped_file", float(checks.is_traced_file), 1.0, at_least=True),
-        Gate("energy_imbalance_sigma", _imbalance(luminance.energy), BALANCE_LIMIT),
-        Gate("energy_lost", lost, LOST_LIMIT),
+        Gate("energy_imbalance_sigma", _imbalance(energy), BALANCE_LIMIT),
+        Gate("energy_lost", float(lost), LOST_LIMIT),
     ]
-
-
-def _curvature_gate(difference: float | None) -> list[Gate]:
-    if difference is None:
-        return []
-    return [Gate("mask_mesh_curvature_difference_per_mm", difference, CURVATURE_LIMIT)]
-
-
-def _resin_gate(resin: ResinCheck | None) -> list[Gate]:
-    if resin is None:
-        return []
-    return [Gate("resin_volume_difference", resin.difference, RESIN_LIMIT)]
 
 
 def build_verification(
@@ -140,11 +121,11 @@ def build_verification(
     name: str,
     gates: list[Gate],
     checks: Checks,
-    luminance: LuminanceResult,
+    luminance: LuminanceResult | None,
     plain: LuminanceResult,
     baseline: LuminanceResult,
     baseline_stack: str,
-    eye: dict[str, Any],
+    eye: dict[str, Any] | None,
     inputs: list[dict[str, Any]],
     process: dict[str, Any] | None,
     curvature: dict[str, Any] | None,
@@ -162,7 +143,7 @@ def build_verification(
         "eye": eye,
         "plain": describe_luminance(plain),
         "baseline": {"stack": baseline_stack, "film": "BEF", **describe_luminance(baseline)},
-        "relative_luminance": luminance.mean_luminance.value / baseline.mean_luminance.value,
+        "relative_luminance": _relative(luminance, baseline),
         "mask": describe_masks(checks.mask, curvature),
         "step": describe_step(checks.step),
         "mesh": describe_mesh(checks.mesh),
@@ -177,8 +158,29 @@ def build_verification(
     }
 
 
-def describe_luminance(result: LuminanceResult) -> dict[str, Any]:
+def _relative(luminance: LuminanceResult | None, baseline: LuminanceResult) -> float | None:
+    if luminance is None:
+        return None
+    return luminance.mean_luminance.value / baseline.mean_luminance.value
+
+
+#: The figures of a trace; each is null where there was nothing to trace.
+TRACE_KEYS = (
+    "luminance",
+    "degrees_of_freedom",
+    "fit",
+    "lamp_mura_contrast",
+    "mean_luminance_cd_m2",
+    "energy",
+    "paths",
+    "accelerator",
+)
+
+
+def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
     """Return the figures of a trace in outside names."""
+    if result is None:
+        return dict.fromkeys(TRACE_KEYS)
     return {
         "luminance": {
             "position_pitch": _numbers(result.position_pitch),
@@ -206,102 +208,6 @@ def describe_luminance(result: LuminanceResult) -> dict[str, Any]:
     }
 
 
-def describe_masks(
-    checks: Mapping[str, MaskCheck], curvature: dict[str, Any] | None
-) -> dict[str, Any] | None:
-    """Return what the mask files hold, by file, and the curvatures they give; None without."""
-    if not checks:
-        return None
-    worst = max(check.aperture_ratio_error_max for check in checks.values())
-    files = {
-        name: {
-            "aperture_ratio_error_max": float(check.aperture_ratio_error_max),
-            "aperture_ratio_min": float(check.aperture_ratio.min()),
-            "aperture_ratio_max": float(check.aperture_ratio.max()),
-            "ratio_map_error_max": float(check.ratio_map_error_max),
-            "aperture_count": check.aperture_count,
-            "smallest_aperture_um": _in_um(check.smallest_aperture),
-            "smallest_web_um": _in_um(check.smallest_web),
-            "width_mm": float(check.width),
-            "length_mm": float(check.length),
-            "database_unit_um": float(check.unit),
-            "snap_error_um": _in_um(check.snap_error),
-            "text": list(check.text),
-            "window_count": None if check.windows is None else len(check.windows.windows),
-            "window_violations": _violations(check),
-        }
-        for name, check in checks.items()
-    }
-    return {"aperture_ratio_error_max": float(worst), "files": files, "curvature": curvature}
-
-
-def _violations(check: MaskCheck) -> int | None:
-    return None if check.windows is None else len(check.windows.violations)
-
-
-def describe_step(check: StepCheck) -> dict[str, Any]:
-    """Return what film.step holds."""
-    return {
-        "valid": bool(check.valid),
-        "unit": check.unit,
-        "bodies_volume_mm3": {name: float(volume) for name, volume in check.bodies.items()},
-        "volume_error": float(check.volume_error),
-    }
-
-
-def describe_mesh(check: MeshCheck) -> dict[str, Any]:
-    """Return what film.stl holds."""
-    return {
-        "watertight": bool(check.watertight),
-        "triangle_count": int(check.triangle_count),
-        "volume_error": float(check.volume_error),
-        "normal_error_deg_rms": float(check.normal_error_rms / deg),
-        "secant_error_deg_rms": _in_deg(check.secant_error_rms),
-        "secant_error_deg_rms_worst_groove": _in_deg(check.secant_error_groove),
-        "secant_error_deg_max": _in_deg(check.secant_error_max),
-        "tip_error_um_max": float(check.tip_error_max / um),
-        "normal_error_deg_max": float(check.normal_error_max / deg),
-    }
-
-
-def describe_agreement(agreement: Agreement) -> dict[str, Any]:
-    """Return how far film.stl is from film.step."""
-    return {
-        "distance_um_max": float(agreement.distance_max / um),
-        "volume_difference": float(agreement.volume_difference),
-    }
-
-
-def describe_resin(resin: ResinCheck | None) -> dict[str, Any] | None:
-    """Return the resin of the piece in outside names; None without a mask."""
-    if resin is None:
-        return None
-    return {
-        "by_mask_mm3": {name: float(volume) for name, volume in resin.by_mask.items()},
-        "in_mesh_mm3": float(resin.in_mesh),
-        "full_grooves_mm3": float(resin.full),
-        "difference": float(resin.difference),
-    }
-
-
-def find_difference(stored: Any, found: Any, where: str = "") -> str | None:
-    """Return the first place where two documents differ, as `key.key: stored, found`, or None."""
-    if isinstance(stored, dict) and isinstance(found, dict):
-        for key in [*stored, *(key for key in found if key not in stored)]:
-            place = f"{where}.{key}" if where else key
-            if key not in stored or key not in found:
-                return f"{place}: only in the {'file' if key in stored else 'new result'}"
-            difference = find_difference(stored[key], found[key], place)
-            if difference:
-                return difference
-        return None
-    if isinstance(stored, list) and isinstance(found, list) and len(stored) == len(found):
-        pairs = enumerate(zip(stored, found, strict=True))
-        hits = (find_difference(a, b, f"{where}[{i}]") for i, (a, b) in pairs)
-        return next((hit for hit in hits if hit), None)
-    return None if stored == found else f"{where}: stored {stored!r}, found {found!r}"
-
-
 def _imbalance(energy: dict[str, Any]) -> float:
     """Return |in - out - absorbed - lost| in standard errors."""
     return float(abs(energy["imbalance"]) / max(energy["imbalance_standard_error"], 1e-12))
@@ -313,14 +219,6 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
 
 def _numbers(values: Any) -> list[float]:
     return [float(value) for value in values]
-
-
-def _in_deg(angle: float | None) -> float | None:
-    return None if angle is None else float(angle) / deg
-
-
-def _in_um(length: float | None) -> float | None:
-    return None if length is None else float(length) / um
 
 
 def _plain(value: Any) -> Any:

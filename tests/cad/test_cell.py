@@ -13,6 +13,7 @@ from mpfcad.cad.shape.cell_mesh import build_cell_mesh
 from mpfcad.cad.step.cell import write_cell_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CellFilm, Groove
+from mpfcad.gate import demand
 from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
@@ -80,9 +81,9 @@ def test_another_film_is_noticed(tmp_path):
     write_cell_step(cells(), tmp_path / "film.step")
     for other in (cells(curvature=62.0), cells(profile="ideal")):
         with pytest.raises(ExportError):
-            check_cell_stl(tmp_path / "film.stl", other, 1 * deg)
+            demand(check_cell_stl(tmp_path / "film.stl", other, 1 * deg).gates)
         with pytest.raises(ExportError):
-            check_film_body(tmp_path / "film.step", other)
+            demand(check_film_body(tmp_path / "film.step", other).gates)
 
 
 def test_what_is_refused(tmp_path):

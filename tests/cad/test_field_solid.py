@@ -13,6 +13,7 @@ from mpfcad.cad.shape.field_mesh import build_field_mesh
 from mpfcad.cad.step.field import write_field_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureField, FieldFilm, Groove, PrismFilm, cut_piece
+from mpfcad.gate import demand
 from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
@@ -90,12 +91,12 @@ def test_another_film_is_noticed(tmp_path):
     curvature[1, 4] += 0.05
     for other in (replace(film, curvature=curvature), window(profile="ideal")):
         with pytest.raises(ExportError):
-            check_field_stl(stl, other, 3 * deg)
+            demand(check_field_stl(stl, other, 3 * deg).gates)
         with pytest.raises(ExportError):
-            check_film_body(step, other)
+            demand(check_film_body(step, other).gates)
     write_field_step(replace(film, curvature=curvature), step)
     with pytest.raises(ExportError, match=r"off film\.step"):
-        check_field_agreement(step, stl, film.volume, 1e-3)
+        demand(check_field_agreement(step, stl, film.volume, 1e-3).gates)
 
 
 def test_a_piece_that_does_not_repeat_is_no_tile(tmp_path):

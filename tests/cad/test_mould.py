@@ -16,6 +16,7 @@ from mpfcad.cad.shape.turning import build_turning_table, write_turning_table
 from mpfcad.cad.step.section import FILM_COLOUR, write_section_step
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Imperfection, build_section
+from mpfcad.gate import demand
 from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.units import deg
 
@@ -124,12 +125,12 @@ def test_another_film_is_noticed(film, tmp_path):
     path = tmp_path / "body.step"
     write_section_step(section, path, name="job", body="film", colour=FILM_COLOUR)
     with pytest.raises(ExportError, match="volume"):
-        check_section_step(path, other, "film")
+        demand(check_section_step(path, other, "film").gates)
     with pytest.raises(ExportError, match="bodies"):
-        check_section_step(path, section, "mould")
+        demand(check_section_step(path, section, "mould").gates)
     write_mesh(build_section_mesh(section, 0.5 * deg), tmp_path / "body.stl", "film")
     with pytest.raises(ExportError):
-        check_section_stl(tmp_path / "body.stl", other, 0.5 * deg)
+        demand(check_section_stl(tmp_path / "body.stl", other, 0.5 * deg).gates)
 
 
 @pytest.mark.parametrize("made", MADE.values(), ids=MADE)

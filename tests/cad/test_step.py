@@ -11,6 +11,7 @@ from mpfcad.cad import check_step, write_step
 from mpfcad.cad.step.grooves import COLOURS
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Groove, PrismFilm
+from mpfcad.gate import demand
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_fused_film_is_one_body_of_the_whole_volume(make_film, tmp_path, curvatu
     assert check.solid_count == {"film": 1}
     assert check.bodies["film"] == pytest.approx(film.volume, rel=1e-9)
     with pytest.raises(ExportError):
-        check_step(path, film)
+        demand(check_step(path, film).gates)
 
 
 @pytest.mark.parametrize("depth", [0.025, 0.0213])
@@ -187,7 +188,7 @@ def test_tampered_text_is_refused(written, old, new, word):
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(ExportError, match=word):
-        check_step(path, film)
+        demand(check_step(path, film).gates)
 
 
 def test_a_moved_corner_is_refused(written):
@@ -197,7 +198,7 @@ def test_a_moved_corner_is_refused(written):
     assert corner in text
     path.write_text(text.replace(corner, "(0.151,2.,0.225)"))
     with pytest.raises(ExportError):
-        check_step(path, film)
+        demand(check_step(path, film).gates)
 
 
 def test_a_face_turned_inside_out_is_refused_not_repaired(written):
@@ -207,7 +208,7 @@ def test_a_face_turned_inside_out_is_refused_not_repaired(written):
     assert turned != text
     path.write_text(turned)
     with pytest.raises(ExportError, match="not valid"):
-        check_step(path, film)
+        demand(check_step(path, film).gates)
 
 
 def test_a_missing_face_is_refused(written):
@@ -215,7 +216,7 @@ def test_a_missing_face_is_refused(written):
     text = path.read_text()
     path.write_text(re.sub(r"CLOSED_SHELL\('',\(#\d+,", "CLOSED_SHELL('',(", text, count=1))
     with pytest.raises(ExportError):
-        check_step(path, film)
+        demand(check_step(path, film).gates)
 
 
 def test_another_film_is_refused(written, make_film):
@@ -228,7 +229,7 @@ def test_another_film_is_refused(written, make_film):
         make_film([60.0, 45.0, 70.0], "ideal"),
     ):
         with pytest.raises(ExportError):
-            check_step(path, other)
+            demand(check_step(path, other).gates)
 
 
 def test_refused_films_leave_nothing(make_film, tmp_path):

@@ -168,11 +168,13 @@ def test_traceback_only_when_asked(tmp_path):
 def test_any_other_error_is_one_line_and_exit_3(monkeypatch, capsys):
     import mpfcad.job
     from mpfcad.cli import run_app
-    from mpfcad.errors import ExportError
+    from mpfcad.errors import ExportError, TraceError
 
-    def broken(_):
-        raise ExportError("film.stl: two\nlines")
+    for kind, code, prefix in ((TraceError, 3, "TraceError: "), (ExportError, 1, "")):
 
-    monkeypatch.setattr(mpfcad.job, "read_job", broken)
-    assert run_app(["run", "job.toml"]) == 3
-    assert capsys.readouterr().err == "mpfcad: ExportError: film.stl: two lines\n"
+        def broken(_, kind=kind):
+            raise kind("film.stl: two\nlines")
+
+        monkeypatch.setattr(mpfcad.job, "read_job", broken)
+        assert run_app(["run", "job.toml"]) == code
+        assert capsys.readouterr().err == f"mpfcad: {prefix}film.stl: two lines\n"

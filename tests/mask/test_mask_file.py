@@ -14,6 +14,7 @@ from small_mask import CURVATURE, DOT, PROCESS, SLOT, build, written
 
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureMap
+from mpfcad.gate import demand
 from mpfcad.mask import MaskRules, Phototool, check_mask, write_mask
 
 CLOSED = Phototool(polarity="closed", mirror=True, emulsion_side="squeegee")
@@ -57,7 +58,7 @@ def test_a_closed_and_mirrored_file_gives_the_same_ratios(tmp_path, rules, suffi
     )
     for other in (Phototool(polarity="closed"), Phototool(mirror=True), Phototool()):
         with pytest.raises(ExportError):
-            check_mask(path, mask, other)
+            demand(check_mask(path, mask, other).gates)
 
 
 @pytest.mark.parametrize("rules", [SLOT, DOT])

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import read_facets
 from mpfcad.cad.check.step_text import StepText, read_step_text
-from mpfcad.errors import ExportError
-from mpfcad.units import nm
+from mpfcad.gate import Gate
+from mpfcad.units import nm, um
 
 #: Largest relative difference of the volumes: chords lie above the parabola.
-VOLUME_TOLERANCE = 1e-4
+VOLUME_LIMIT = 1e-4
 #: Distance [mm] allowed besides what float32 coordinates force.
 DISTANCE_TOLERANCE = 1 * nm
 
@@ -25,36 +25,36 @@ class Agreement:
     ----------
     distance_max
         largest distance [mm] of a corner of the STL from the nearest surface of the STEP
-    distance_limit
-        what it may be [mm], from the float32 coordinates of an STL of this size
-    volume_difference, volume_limit
-        |volume of the STL / volume of all bodies of the STEP - 1|, and what it may be
+    volume_difference
+        |volume of the STL / volume of all bodies of the STEP - 1|
+    gates
+        both against their limits; that of the distance follows from the float32 coordinates of an
+        STL of this size
     """
 
     distance_max: float
-    distance_limit: float
     volume_difference: float
-    volume_limit: float
+    gates: tuple[Gate, ...]
 
 
 def check_agreement(
-    step: Path, stl: Path, step_volume: float, volume_tolerance: float = VOLUME_TOLERANCE
+    step: Path, stl: Path, step_volume: float, volume_limit: float = VOLUME_LIMIT
 ) -> Agreement:
     """Return how well the two files agree; `step_volume` [mm³] is what OCCT found in the STEP.
 
     Every corner of the STL is compared with the planes, parabolas, circles and patches that the
-    STEP states. `volume_tolerance` is the largest relative difference of the volumes.
+    STEP states. `volume_limit` is the largest relative difference of the volumes.
 
     Raises
     ------
     ExportError
-        when they are not the same film.
+        when a file cannot be read.
     """
     corner, _ = read_facets(Path(stl))
     points = np.unique(corner.reshape(-1, 3), axis=0)
     distance = float(_distance(points, read_step_text(Path(step))).max())
     names = Path(step).name, Path(stl).name
-    return agreement_of(names, corner, points, distance, step_volume, volume_tolerance)
+    return agreement_of(names, corner, points, distance, step_volume, volume_limit)
 
 
 def distance_limit(points: NDArray[np.float64]) -> float:
@@ -68,29 +68,24 @@ def agreement_of(
     points: NDArray[np.float64],
     distance: float,
     step_volume: float,
-    volume_tolerance: float,
+    volume_limit: float,
 ) -> Agreement:
-    """Return the agreement of files (STEP, STL) of these names, once it is good enough.
+    """Return the agreement of files (STEP, STL) of these names.
 
     corner: (t, 3, 3) float64 [mm], facets of the STL; points: (v, 3) their distinct corners, the
     farthest of which is `distance` [mm] off.
-
-    Raises
-    ------
-    ExportError
-        when they are not the same film.
     """
-    limit = distance_limit(points)
     # The same sum as of every closed mesh, about its middle for the sake of rounding.
     a, b, c = np.moveaxis(corner - points.mean(axis=0), 1, 0)
     volume = float(np.sum(a * np.cross(b, c)) / 6)
     difference = abs(volume / step_volume - 1)
-    if not (distance <= limit and difference <= volume_tolerance):
-        raise ExportError(
-            f"{names[1]}: {distance:.3g} mm off {names[0]} (limit {limit:.3g} mm),"
-            f" volume {difference:.3g} (limit {volume_tolerance:g})"
-        )
-    return Agreement(distance, limit, difference, volume_tolerance)
+    detail = f"{names[1]}: off {names[0]}"
+    limit = distance_limit(points)
+    gates = (
+        Gate("step_mesh_distance_um", distance / um, limit / um, detail=detail),
+        Gate("step_mesh_volume_difference", difference, volume_limit, detail=detail),
+    )
+    return Agreement(distance, difference, gates)
 
 
 def _distance(points: NDArray[np.float64], step: StepText) -> NDArray[np.float64]:

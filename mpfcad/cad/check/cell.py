@@ -1,4 +1,4 @@
-"""Read the files of a film of cells back and compare them with its closed form."""
+"""Compare the mesh of a film of cells with its closed form."""
 
 from pathlib import Path
 
@@ -10,51 +10,59 @@ from mpfcad.cad.check.mesh_check import (
     angle_to_surface,
     facet_area,
     narrowest_side,
-    read_film_top,
-    refuse_above,
 )
+from mpfcad.cad.check.surface import Corner, FacetError, check_mesh, recover_curvature
 from mpfcad.film import CellFilm
 
 #: Largest relative error of the volume of a mesh (dishes at 5°: 6e-4 by their chords).
-VOLUME_TOLERANCE = 1e-3
+VOLUME_LIMIT = 1e-3
 
 
 def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCheck:
-    """Return what the STL file at `path` holds, once it is found to be the film.
+    """Return what the STL file at `path` holds, measured against the film; its gates judge.
+
+    Facet normals may be off by `angle_tolerance` [rad] and what float32 forces.
 
     Raises
     ------
     ExportError
-        when it is not one closed body facing outward, or is off in volume, extent, height, or
-        facet normals (by more than `angle_tolerance` [rad] and what float32 forces).
+        when it is not one closed body facing outward.
     """
-    path = Path(path)
-    facet, count, volume = read_film_top(path, film, VOLUME_TOLERANCE)
-    area = facet_area(facet)
-    step = float(np.spacing(np.float32(max(film.size))))
-    steepest = film.groove.wall_slope + film.curvature * film.groove.half_width
-    height = float(np.abs(facet[..., 2] - film.height(facet[..., 0], facet[..., 1])).max())
-    refuse_above(path, "height error [mm]", height, (1 + steepest) * 2 * step)
-    middle = facet.mean(axis=1)
-    slope = film.slope(middle[:, 0], middle[:, 1])
-    angle = angle_to_surface(slope[0], slope[1], area)
-    allowed = angle_tolerance + 2 * step * (1 + steepest) / narrowest_side(facet, area)
-    worst = int(np.argmax(angle / allowed))
-    refuse_above(path, "normal error [rad]", float(angle[worst]), float(allowed[worst]))
-    return MeshCheck(
-        True,
-        volume,
-        volume / film.volume - 1,
-        VOLUME_TOLERANCE,
-        float(np.sqrt(np.mean(angle**2))),
-        None,
-        None,
-        float(angle[worst]),
-        float(allowed[worst]),
-        height,
-        count,
-        _recover_curvature(film, facet, step),
-    )
+    return check_mesh(path, CellSurface(film), angle_tolerance)
+
+
+class CellSurface:
+    """Equal cells in both directions."""
+
+    volume_limit = VOLUME_LIMIT
+
+    def __init__(self, film: CellFilm) -> None:
+        self.film, self.volume = film, film.volume
+
+    def extent(self, top: float) -> tuple[Corner, Corner]:
+        """Return the corners of the bounding box [mm]."""
+        return (0.0, 0.0, 0.0), (*self.film.size, self.film.thickness)
+
+    def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
+        """Return how far the facets of the top are off."""
+        film, facet = self.film, top
+        area = facet_area(facet)
+        step = float(np.spacing(np.float32(max(film.size))))
+        steepest = film.groove.wall_slope + film.curvature * film.groove.half_width
+        middle = facet.mean(axis=1)
+        slope = film.slope(middle[:, 0], middle[:, 1])
+        angle = angle_to_surface(slope[0], slope[1], area)
+        allowed = angle_tolerance + 2 * step * (1 + steepest) / narrowest_side(facet, area)
+        worst = int(np.argmax(angle / allowed))
+        return FacetError(
+            height=float(np.abs(facet[..., 2] - film.height(facet[..., 0], facet[..., 1])).max()),
+            height_limit=(1 + steepest) * 2 * step,
+            normal_rms=float(np.sqrt(np.mean(angle**2))),
+            normal_rms_limit=None,
+            normal=float(angle[worst]),
+            normal_limit=float(allowed[worst]),
+            curvature=_recover_curvature(film, facet, step),
+        )
 
 
 def _recover_curvature(
@@ -75,7 +83,6 @@ def _recover_curvature(
         wall = film.base + film.groove.wall_slope * np.min(local, axis=0).mean(axis=1)
         used = facet[..., 2].mean(axis=1) - wall > 4 * film.groove.wall_slope * step
         room, facet = room[used], facet[used]
-    if not room.any():
-        return np.array([film.groove.curvature_empty])
     drop = film.thickness - facet[..., 2]
-    return np.array([2 * np.sum(drop * room) / np.sum(room**2)])
+    one = np.zeros(room.shape, np.int64)
+    return recover_curvature(one, drop, room, 1, film.groove.curvature_empty)

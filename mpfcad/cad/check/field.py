@@ -1,4 +1,4 @@
-"""Read the files of a film whose curvature varies along its grooves back; compare with the film."""
+"""Compare the mesh of a film whose curvature varies along its grooves with its closed form."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -11,51 +11,59 @@ from mpfcad.cad.check.mesh_check import (
     angle_to_surface,
     facet_area,
     narrowest_side,
-    read_film_top,
-    refuse_above,
 )
+from mpfcad.cad.check.surface import Corner, FacetError, check_mesh, recover_curvature
 from mpfcad.cad.shape.field_mesh import mesh_contact, mesh_sliver
 from mpfcad.film import FieldPiece
 
 #: Largest relative error of the volume of a mesh (5° facets: 3e-4).
-VOLUME_TOLERANCE = 1e-3
+VOLUME_LIMIT = 1e-3
 #: Facets examined at a time.
 BLOCK = 1 << 18
 
 
 def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> MeshCheck:
-    """Return what the STL file at `path` holds, once it is found to be the film.
+    """Return what the STL file at `path` holds, measured against the film; its gates judge.
+
+    A facet's normal may be off the surface's at one of its corners by `angle_tolerance` [rad] and
+    what float32 forces.
 
     Raises
     ------
     ExportError
-        when it is not one closed body facing outward, or is off in volume, extent or height, or a
-        facet's normal from the surface's at one of its corners (by more than `angle_tolerance`
-        [rad] and what float32 forces).
+        when it is not one closed body facing outward.
     """
-    path = Path(path)
-    facet, count, volume = read_film_top(path, film, VOLUME_TOLERANCE)
-    step = float(np.spacing(np.float32(film.size[0])))
-    blocks = range(0, len(facet), BLOCK)
-    found = [_examine(film, facet[k : k + BLOCK], angle_tolerance, step) for k in blocks]
-    height = max(part.height for part in found)
-    refuse_above(path, "height error [mm]", height, (1 + film.steepest) * 2 * step)
-    worst = max(found, key=lambda part: part.angle / part.allowed)
-    refuse_above(path, "normal error [rad]", worst.angle, worst.allowed)
-    return MeshCheck(
-        True,
-        volume,
-        volume / film.volume - 1,
-        VOLUME_TOLERANCE,
-        float(np.sqrt(sum(part.squares for part in found) / len(facet))),
-        None,
-        None,
-        worst.angle,
-        worst.allowed,
-        height,
-        count,
-        recover_curvature(film, facet),
-    )
+    return check_mesh(path, FieldSurface(film), angle_tolerance)
+
+
+class FieldSurface:
+    """Grooves whose curvature varies along them."""
+
+    volume_limit = VOLUME_LIMIT
+
+    def __init__(self, film: FieldPiece) -> None:
+        self.film, self.volume = film, film.volume
+
+    def extent(self, top: float) -> tuple[Corner, Corner]:
+        """Return the corners of the bounding box [mm]."""
+        return (0.0, 0.0, 0.0), (*self.film.size, self.film.thickness)
+
+    def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
+        """Return how far the facets of the top are off."""
+        film, facet = self.film, top
+        step = float(np.spacing(np.float32(film.size[0])))
+        blocks = range(0, len(facet), BLOCK)
+        found = [_examine(film, facet[k : k + BLOCK], angle_tolerance, step) for k in blocks]
+        worst = max(found, key=lambda part: part.angle / part.allowed)
+        return FacetError(
+            height=max(part.height for part in found),
+            height_limit=(1 + film.steepest) * 2 * step,
+            normal_rms=float(np.sqrt(sum(part.squares for part in found) / len(facet))),
+            normal_rms_limit=None,
+            normal=worst.angle,
+            normal_limit=worst.allowed,
+            curvature=recover_field(film, facet),
+        )
 
 
 class _Found(NamedTuple):
@@ -137,7 +145,7 @@ def _parabola_slope(
     return film.curvature_at(groove, y) * x, -rate / 2 * (w - x) * (w + x)
 
 
-def recover_curvature(film: FieldPiece, facet: NDArray[np.float64]) -> NDArray[np.float64]:
+def recover_field(film: FieldPiece, facet: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return C [1/mm] from the facets' corners, (n, k), as `FieldPiece.curvature` has it.
 
     At each station the least-squares C of a groove's corners above its walls, thickness - z =
@@ -156,10 +164,8 @@ def recover_curvature(film: FieldPiece, facet: NDArray[np.float64]) -> NDArray[n
         )
     place = groove[used] * len(station) + number[used]
     size = film.groove_count * len(station)
-    above = np.bincount(place, 2 * (drop * room)[used], size)
-    below = np.bincount(place, room[used] ** 2, size)
     empty = film.groove.curvature_empty
-    found = np.divide(above, below, out=np.full(size, empty), where=below > 0)
+    found = recover_curvature(place, drop[used], room[used], size, empty)
     found = found.reshape(film.groove_count, -1)
     return np.stack([np.interp(film.along, station, row) for row in found])
 

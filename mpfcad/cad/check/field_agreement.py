@@ -85,7 +85,7 @@ def read_patches(path: Path) -> Patches:
 
 
 def check_field_agreement(
-    step: Path, stl: Path, step_volume: float, volume_tolerance: float
+    step: Path, stl: Path, step_volume: float, volume_limit: float
 ) -> Agreement:
     """Return how well the two files agree; `step_volume` [mm³] is what OCCT found in the STEP.
 
@@ -94,7 +94,7 @@ def check_field_agreement(
     Raises
     ------
     ExportError
-        when they are not the same film.
+        when a file cannot be read.
     """
     corner, _ = read_facets(Path(stl))
     place, _ = join_corners(corner)
@@ -108,4 +108,4 @@ def check_field_agreement(
         off = np.minimum(off, to_walls(place[:, [0, 2]], anchor, normal))
     distance = float(np.minimum(off, np.abs(place[:, 2])).max())
     names = Path(step).name, Path(stl).name
-    return agreement_of(names, corner, place, distance, step_volume, volume_tolerance)
+    return agreement_of(names, corner, place, distance, step_volume, volume_limit)

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.check.mesh_check import (
-    MeshCheck,
-    check_closed,
-    check_extent,
-    read_facets,
-    refuse_above,
-    select_top,
+from mpfcad.cad.check.mesh_check import MeshCheck
+from mpfcad.cad.check.surface import (
+    Corner,
+    FacetError,
+    Secant,
+    check_mesh,
+    recover_curvature,
 )
 from mpfcad.cad.shape.mesh import mesh_contact
 from mpfcad.cad.shape.rounding import coarsest_step, round_contact, round_tips
@@ -24,62 +24,56 @@ from mpfcad.film import PrismFilm
 from mpfcad.units import deg
 
 #: Largest relative error of the volume.
-VOLUME_TOLERANCE = 1e-4
+VOLUME_LIMIT = 1e-4
 #: Largest rms angle [rad] between facets and surface, where float32 does not forbid it.
-NORMAL_RMS_TOLERANCE = 0.01 * deg
-#: Largest error [1/mm] of a curvature recovered from the facets.
-CURVATURE_TOLERANCE = 0.01
+NORMAL_RMS_LIMIT = 0.01 * deg
 
 
 def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
-    """Return what the STL file at `path` holds, once it is found to be `film`.
+    """Return what the STL file at `path` holds, measured against `film`; its gates judge.
+
+    Facet normals may be off by `angle_tolerance` [rad].
 
     Raises
     ------
     ExportError
-        when the file is not one closed body, or is off in volume, extent, height, facet normals
-        (by more than `angle_tolerance` [rad]) or curvature.
+        when the file is not one closed body facing outward.
     """
-    path = Path(path)
-    corner, normal = read_facets(path)
-    volume = check_closed(path, corner, normal)
-    volume_error = volume / film.volume - 1
-    refuse_above(path, "relative volume error", abs(volume_error), VOLUME_TOLERANCE)
-    check_extent(path, corner, (0, 0, 0), (film.width, film.length, film.thickness))
-    facets = _Facets(film, select_top(corner))
+    return check_mesh(path, GrooveSurface(film), angle_tolerance)
 
-    error = facets.middle_error()
-    rms = float(np.sqrt(np.mean(error**2)))
-    refuse_above(path, "rms normal error [rad]", rms, max(NORMAL_RMS_TOLERANCE, facets.rounding()))
-    largest = facets.end_error()
-    refuse_above(path, "normal error [rad]", largest, angle_tolerance)
-    height = facets.height_error()
-    refuse_above(path, "height error [mm]", height, facets.height_tolerance())
-    curvature = facets.curvature()
-    drawn = np.where(facets.contact > 0, film.curvature, film.groove.curvature_empty)
-    off = float(np.max(np.abs(curvature - drawn)))
-    refuse_above(path, "curvature error [/mm]", off, CURVATURE_TOLERANCE)
-    secant = facets.secant_error()
-    square = secant**2 * facets.area
-    by_groove = np.bincount(facets.groove, square, film.groove_count)
-    by_groove = by_groove / np.bincount(facets.groove, facets.area, film.groove_count)
-    volume_error = float(volume_error)
-    return MeshCheck(
-        True,
-        volume,
-        volume_error,
-        VOLUME_TOLERANCE,
-        rms,
-        float(np.sqrt(square.sum() / facets.area.sum())),
-        float(np.sqrt(by_groove.max())),
-        largest,
-        angle_tolerance,
-        height,
-        len(corner),
-        curvature,
-        float(secant.max()),
-        float(np.abs(facets.moved).max()),
-    )
+
+class GrooveSurface:
+    """Grooves as designed, one curvature each."""
+
+    volume_limit = VOLUME_LIMIT
+
+    def __init__(self, film: PrismFilm) -> None:
+        self.film, self.volume = film, film.volume
+
+    def extent(self, top: float) -> tuple[Corner, Corner]:
+        """Return the corners of the bounding box [mm]."""
+        return (0.0, 0.0, 0.0), (self.film.width, self.film.length, self.film.thickness)
+
+    def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
+        """Return how far the facets of the top are off."""
+        film, facets = self.film, _Facets(self.film, top)
+        curvature = facets.curvature()
+        # Resin narrower than a sliver is meshed as none: as much C as the groove has.
+        merged = (facets.contact == 0) & (film.profile == "filled")
+        drawn = np.where(merged, film.groove.curvature_empty, film.curvature)
+        error = float(np.max(np.abs(curvature - drawn)))
+        return FacetError(
+            height=facets.height_error(),
+            height_limit=facets.height_tolerance(),
+            normal_rms=float(np.sqrt(np.mean(facets.middle_error() ** 2))),
+            normal_rms_limit=max(NORMAL_RMS_LIMIT, facets.rounding()),
+            normal=facets.end_error(),
+            normal_limit=angle_tolerance,
+            curvature=np.where(merged, curvature - drawn + film.curvature, curvature),
+            curvature_error=error,
+            secant=facets.secant(),
+            tip=float(np.abs(facets.moved).max()),
+        )
 
 
 class _Facets:
@@ -127,6 +121,15 @@ class _Facets:
         place = self.film.groove_position[self.groove]
         rise = self._height(self.right - place) - self._height(self.left - place)
         return np.hypot(self.angle - np.arctan2(rise, self.right - self.left), self.lean)
+
+    def secant(self) -> Secant:
+        """Return the angles to the secants: of all, of the worst groove, and the largest."""
+        secant = self.secant_error()
+        square = secant**2 * self.area
+        by_groove = np.bincount(self.groove, square, self.film.groove_count)
+        by_groove = by_groove / np.bincount(self.groove, self.area, self.film.groove_count)
+        rms = float(np.sqrt(square.sum() / self.area.sum()))
+        return Secant(rms, float(np.sqrt(by_groove.max())), float(secant.max()))
 
     def _height(self, local: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return z [mm] of each facet's half groove at `local` [mm] from its middle, (t, …).
@@ -200,10 +203,7 @@ class _Facets:
             above = z - film.base - film.groove.wall_slope * np.abs(local)
             used = above > self.height_tolerance() * 2
         room = np.where(used, room, 0.0)
-        groove = np.broadcast_to(self.groove[:, None], room.shape).ravel()
-        count = film.groove_count
+        groove = np.broadcast_to(self.groove[:, None], room.shape)
         top = film.thickness + self.lift[self.groove, None]
-        drop = np.bincount(groove, ((top - z) * room).ravel(), count)
-        square = np.bincount(groove, (room**2).ravel(), count)
-        empty = np.full(count, film.groove.curvature_empty)
-        return np.divide(2 * drop, square, out=empty, where=square > 0)
+        empty = film.groove.curvature_empty
+        return recover_curvature(groove, top - z, room, film.groove_count, empty)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
-from mpfcad.film import CellFilm, FieldPiece
+from mpfcad.gate import Gate
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,19 +20,14 @@ class MeshCheck:
         every edge is shared by exactly two facets of opposite sense, and they bound one body
     volume
         enclosed [mm³]
-    volume_error, volume_limit
-        relative error of the enclosed volume, and what it may be
+    volume_error
+        its relative error
     normal_error_rms
         rms angle [rad] between a facet and the film's surface at the facet's middle, where the
         tangent of a parabola is parallel to its chord: the error of rounding alone
-    secant_error_rms
-        rms angle [rad], over the area, between a facet and the secant of the film's surface between
-        its two ends; None where the surface bends in both directions
-    secant_error_groove
-        the same of the groove where it is largest; None of measured surfaces and of cells
-    normal_error_max, normal_error_limit
-        angle [rad] between a facet and the film's surface at the facet's two ends, and what it may
-        be there, of the facet that comes nearest to its limit
+    normal_error_max
+        angle [rad] between a facet and the film's surface at the facet's two ends, of the facet
+        that comes nearest to its limit
     height_error_max
         largest distance [mm] in z between a corner and the film's surface at its x
     triangle_count
@@ -41,6 +36,13 @@ class MeshCheck:
         (n,) float64 [1/mm], C of each groove by least squares over its corners above the walls (of
         cells: one value; of grooves that change along: (n, k) at k places); None of a measured
         surface
+    gates
+        each figure against its limit
+    secant_error_rms
+        rms angle [rad], over the area, between a facet and the secant of the film's surface between
+        its two ends; None where the surface bends in both directions
+    secant_error_groove
+        the same of the groove where it is largest; None of measured surfaces and of cells
     secant_error_max
         the largest of the angles that `secant_error_rms` is of; None where that is
     tip_error_max
@@ -51,15 +53,14 @@ class MeshCheck:
     watertight: bool
     volume: float
     volume_error: float
-    volume_limit: float
     normal_error_rms: float
-    secant_error_rms: float | None
-    secant_error_groove: float | None
     normal_error_max: float
-    normal_error_limit: float
     height_error_max: float
     triangle_count: int
     curvature: NDArray[np.float64] | None
+    gates: tuple[Gate, ...]
+    secant_error_rms: float | None = None
+    secant_error_groove: float | None = None
     secant_error_max: float | None = None
     tip_error_max: float = 0.0
 
@@ -131,17 +132,15 @@ def join_corners(corner: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDAr
     return points[first], index.reshape(-1, 3)
 
 
-def check_extent(
-    path: Path,
+def extent_error(
     corner: NDArray[np.float64],
     low: tuple[float, float, float],
     high: tuple[float, float, float],
-) -> None:
-    """Refuse facets that do not reach from `low` to `high` [mm], both rounded to float32."""
+) -> float:
+    """Return how far [mm] facets are from reaching from `low` to `high` [mm], both in float32."""
     found = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
-    wanted = np.array(low, np.float32), np.array(high, np.float32)
-    off = max(float(np.abs(a - b).max()) for a, b in zip(found, wanted, strict=True))
-    refuse_above(path, "extent error [mm]", off, 0.0)
+    wanted = np.float32(low), np.float32(high)
+    return max(float(np.abs(a - b).max()) for a, b in zip(found, wanted, strict=True))
 
 
 def select_top(corner: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -151,23 +150,6 @@ def select_top(corner: NDArray[np.float64]) -> NDArray[np.float64]:
     for axis, level in ((0, low[0]), (0, high[0]), (1, low[1]), (1, high[1]), (2, low[2])):
         flat |= np.all(corner[:, :, axis] == level, axis=1)
     return corner[~flat]
-
-
-def read_film_top(
-    path: Path, film: CellFilm | FieldPiece, volume_tolerance: float
-) -> tuple[NDArray[np.float64], int, float]:
-    """Return the facets of a film's top, (s, 3, 3) float64 [mm], of how many, and the volume [mm³].
-
-    Raises
-    ------
-    ExportError
-        when the file is not one closed body facing outward, or is off in volume or extent.
-    """
-    corner, normal = read_facets(path)
-    volume = check_closed(path, corner, normal)
-    refuse_above(path, "relative volume error", abs(volume / film.volume - 1), volume_tolerance)
-    check_extent(path, corner, (0, 0, 0), (*film.size, film.thickness))
-    return select_top(corner), len(corner), volume
 
 
 def facet_area(facet: NDArray[np.float64]) -> NDArray[np.float64]:

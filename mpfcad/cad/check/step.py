@@ -10,23 +10,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.check.step_read import read_bodies
 from mpfcad.cad.check.step_text import MILLIMETRE, check_text, read_step_text
 from mpfcad.cad.step.outline import solid_contact
 from mpfcad.cad.step.solid import Bodies
 from mpfcad.errors import ExportError
 from mpfcad.film import CellFilm, FieldPiece, PrismFilm
+from mpfcad.gate import Gate, worst_of_each, yes_no
+from mpfcad.units import um
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
+Triple = tuple[float, float, float]
 #: Largest relative error of a body's volume, where coordinates of doubles allow it.
-VOLUME_TOLERANCE = 1e-9
+VOLUME_LIMIT = 1e-9
 #: Error [mm] of a surface that doubles force at x = 400 mm.
-SURFACE_TOLERANCE = 1e-12
+SURFACE_ROUNDING = 1e-12
 #: Largest error [mm] of the extents.
-EXTENT_TOLERANCE = 1e-6
+EXTENT_LIMIT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +49,8 @@ class StepCheck:
         the file's length unit
     solid_count
         number of solids by name
+    gates
+        each figure against its limit
     """
 
     valid: bool
@@ -56,39 +60,62 @@ class StepCheck:
     high: tuple[float, float, float]
     unit: str
     solid_count: dict[str, int]
+    gates: tuple[Gate, ...]
 
 
 def check_step(path: Path, film: PrismFilm, *, bodies: Bodies = "separate") -> StepCheck:
-    """Return what the STEP file at `path` holds, once it is found to be `film`.
+    """Return what the STEP file at `path` holds, measured against `film`; its gates judge.
 
     Raises
     ------
     ExportError
-        when the file is not in mm, lacks a body or has another, a body is not valid, or the file is
-        off in volume, extent, number of solids or curvatures.
+        when the file is not in mm, or has other bodies, solids or parabolas than the film.
     """
     path = Path(path)
     expected = _expected(film, bodies)
     counts = {name: count for name, (count, _) in expected.items()}
-    check_text(path, read_step_text(path), film, counts)
+    gates = check_text(path, read_step_text(path), film, counts)
     shapes = read_bodies(path, repair=False)
+    size = (film.width, film.length, film.thickness)
+    rounding = SURFACE_ROUNDING * film.width * film.length
+    return _measure(path, shapes, expected, ((0.0, 0.0, 0.0), size), rounding, gates)
+
+
+def _measure(
+    path: Path,
+    shapes: dict[str, TopoDS_Shape],
+    expected: dict[str, tuple[int, float]],
+    extent: tuple[Triple, Triple],
+    rounding: float,
+    gates: tuple[Gate, ...] = (),
+) -> StepCheck:
+    """Return what bodies were found to be.
+
+    `expected` is number of solids and volume [mm³] by name, `rounding` the volume [mm³] that
+    doubles do not tell apart, `gates` what is known already.
+    """
     if set(shapes) != set(expected):
-        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {sorted(expected)}")
-    volumes, worst = {}, 0.0
-    rounding = SURFACE_TOLERANCE * film.width * film.length
+        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: expected {sorted(expected)}")
+    volumes, volume_gates, invalid = {}, [], []
     for name, shape in shapes.items():
         count, volume = expected[name]
-        check_solids(path, name, shape, count)
+        invalid += [] if check_solids(path, name, shape, count) else [name]
         volumes[name] = enclosed_volume(shape)
         error = abs(volumes[name] / volume - 1)
-        tolerance = max(VOLUME_TOLERANCE, rounding / volume)
-        refuse_above(path, f"{name}: relative volume error", error, tolerance)
-        worst = max(worst, error)
+        limit = max(VOLUME_LIMIT, rounding / volume)
+        volume_gates.append(Gate("step_volume_error", error, limit, detail=f"{path.name}: {name}"))
     low, high = bounding_box(shapes)
-    size = np.array([film.width, film.length, film.thickness])
-    off = float(max(np.abs(low).max(), np.abs(high - size).max()))
-    refuse_above(path, "extent error [mm]", off, EXTENT_TOLERANCE)
-    return StepCheck(True, volumes, worst, _triple(low), _triple(high), "mm", counts)
+    off = max(float(np.abs(a - b).max()) for a, b in zip((low, high), extent, strict=True))
+    why = f"{path.name}: {', '.join(invalid)}: OCCT finds this body not valid"
+    found = (
+        yes_no("step_valid", not invalid, why),
+        *gates,
+        *worst_of_each(volume_gates),
+        Gate("step_extent_error_um", off / um, EXTENT_LIMIT / um, detail=path.name),
+    )
+    counts = {name: count for name, (count, _) in expected.items()}
+    worst = max(abs(volumes[name] / expected[name][1] - 1) for name in volumes)
+    return StepCheck(not invalid, volumes, worst, _triple(low), _triple(high), "mm", counts, found)
 
 
 def _triple(point: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -112,52 +139,41 @@ def check_one_body(
     low: tuple[float, float, float],
     high: tuple[float, float, float],
 ) -> StepCheck:
-    """Return what the STEP file at `path` holds, once it is one solid `body` of this size [mm].
+    """Return what the STEP file at `path` holds, measured against one solid `body` of this size.
 
     Raises
     ------
     ExportError
-        when it is not in mm, holds another body, or one that is not valid or off in volume or
-        extent.
+        when it is not in mm, or holds another body.
     """
     path = Path(path)
     units = read_step_text(path).units
     if units != MILLIMETRE:
-        raise ExportError(f"{path.name}: length units {sorted(units)}: must all be millimetres")
+        raise ExportError(f"{path.name}: length units {sorted(units)}: expected all millimetres")
     shapes = read_bodies(path, repair=True)
-    if set(shapes) != {body}:
-        raise ExportError(f"{path.name}: bodies {sorted(shapes)}: must be {body}")
-    check_solids(path, body, shapes[body], 1)
-    found = enclosed_volume(shapes[body])
-    error = abs(found / volume - 1)
-    refuse_above(path, "relative volume error", error, VOLUME_TOLERANCE)
-    corners = bounding_box(shapes)
-    off = max(float(np.abs(a - b).max()) for a, b in zip(corners, (low, high), strict=True))
-    refuse_above(path, "extent error [mm]", off, EXTENT_TOLERANCE)
-    return StepCheck(True, {body: found}, error, *map(_triple, corners), "mm", {body: 1})
+    return _measure(path, shapes, {body: (1, volume)}, (low, high), 0.0)
 
 
 def check_film_body(path: Path, film: CellFilm | FieldPiece) -> StepCheck:
-    """Return what a STEP file holds, once it is found to be the film as one solid `film`.
+    """Return what a STEP file holds, measured against the film as one solid `film`.
 
     Raises
     ------
     ExportError
-        when it holds another body, or one that is not valid or off in volume or extent.
+        when it is not in mm, or holds another body.
     """
     high = (*film.size, film.thickness)
     return check_one_body(path, "film", film.volume, (0, 0, 0), high)
 
 
-def check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> None:
-    """Refuse a body that has not as many solids as expected, or one that is not valid."""
+def check_solids(path: Path, name: str, shape: TopoDS_Shape, expected: int) -> bool:
+    """Return whether OCCT finds a body valid; refuse another number of solids than expected."""
     from OCP.BRepCheck import BRepCheck_Analyzer
 
     count = sum(1 for _ in _solids(shape))
     if count != expected:
-        raise ExportError(f"{path.name}: {name}: {count} solids: must be {expected}")
-    if not BRepCheck_Analyzer(shape).IsValid():
-        raise ExportError(f"{path.name}: {name}: OCCT finds this body not valid")
+        raise ExportError(f"{path.name}: {name}: {count} solids: expected {expected}")
+    return bool(BRepCheck_Analyzer(shape).IsValid())
 
 
 def _solids(shape: TopoDS_Shape) -> Iterator[TopoDS_Shape]:

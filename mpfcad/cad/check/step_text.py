@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from mpfcad.cad.step.outline import has_solid_parabola
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
+from mpfcad.gate import Gate
+from mpfcad.units import um
 
 #: The only length unit that a file may state.
 MILLIMETRE = {".MILLI.,.METRE."}
 #: Largest error [mm] of a parabola's place.
-PLACE_TOLERANCE = 1e-9
+PLACE_LIMIT = 1e-9
 #: Largest relative error of a parabola's curvature.
-CURVATURE_TOLERANCE = 1e-9
+CURVATURE_LIMIT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,13 +120,15 @@ def _triples(texts: list[bytes]) -> NDArray[np.float64]:
     return np.array([[float(part) for part in text.split(b",")] for text in texts]).reshape(-1, 3)
 
 
-def check_text(path: Path, found: StepText, film: PrismFilm, solids: dict[str, int]) -> None:
-    """Refuse a file that is not in mm, or lacks a product, solid or parabola of the film.
+def check_text(
+    path: Path, found: StepText, film: PrismFilm, solids: dict[str, int]
+) -> tuple[Gate, ...]:
+    """Return how far parabolas are off those of the film.
 
     Raises
     ------
     ExportError
-        naming what differs.
+        when the file is not in mm, or lacks a product, solid or parabola of the film.
     """
     if found.units != MILLIMETRE:
         raise ExportError(
@@ -137,10 +141,10 @@ def check_text(path: Path, found: StepText, film: PrismFilm, solids: dict[str, i
     wanted = sum(solids.values())
     if found.solid_count != wanted:
         raise ExportError(f"{path.name}: {found.solid_count} solids: must be {wanted}")
-    _check_parabolas(path, found, film)
+    return _check_parabolas(path, found, film)
 
 
-def _check_parabolas(path: Path, found: StepText, film: PrismFilm) -> None:
+def _check_parabolas(path: Path, found: StepText, film: PrismFilm) -> tuple[Gate, ...]:
     """Compare each parabola's place and curvature with its groove's."""
     vertex = found.vertex
     groove = np.clip((vertex[:, 0] / film.groove.pitch).astype(int), 0, film.groove_count - 1)
@@ -152,12 +156,12 @@ def _check_parabolas(path: Path, found: StepText, film: PrismFilm) -> None:
             f"{path.name}: groove {index} has {'a' if drawn[index] else 'no'} parabola"
         )
     if len(groove) == 0:
-        return
+        return ()
     curvature = film.curvature[groove]
-    off = float(np.max(np.abs(found.curvature / curvature - 1)))
-    if not off <= CURVATURE_TOLERANCE:
-        raise ExportError(f"{path.name}: relative curvature error: {off:.3g}")
+    bend = float(np.max(np.abs(found.curvature / curvature - 1)))
     bottom = film.thickness - curvature / 2 * film.groove.half_width**2
-    off = np.hypot(vertex[:, 0] - film.groove_position[groove], vertex[:, 2] - bottom).max()
-    if not off <= PLACE_TOLERANCE:
-        raise ExportError(f"{path.name}: place of a parabola [mm]: {off:.3g}")
+    place = np.hypot(vertex[:, 0] - film.groove_position[groove], vertex[:, 2] - bottom).max()
+    return (
+        Gate("step_curvature_error", bend, CURVATURE_LIMIT, detail=path.name),
+        Gate("step_place_error_um", float(place) / um, PLACE_LIMIT / um, detail=path.name),
+    )

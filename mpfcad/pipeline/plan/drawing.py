@@ -23,7 +23,13 @@ class Drawing(Protocol):
         """Write the file; `name` is that of the job."""
 
     def check(self, path: Path) -> Check:
-        """Return what the file holds, once it is found to be the film."""
+        """Return what a file holds, measured against the film."""
+
+    def check_step(self, path: Path) -> StepCheck:
+        """Return what film.step holds, measured against the film."""
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        """Return what film.stl holds, measured against the film."""
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
         """Return how well both agree; `volume` [mm³] is what OCCT found in the STEP."""
@@ -43,7 +49,20 @@ def step_header(table: CadTable) -> Header:
     return Header(table.step_protocol, table.author, table.organisation)
 
 
-class _Exact:
+class _Checked:
+    """Films of which film.step and film.stl are checked, each in its own way."""
+
+    def check_step(self, path: Path) -> StepCheck:
+        raise NotImplementedError
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        raise NotImplementedError
+
+    def check(self, path: Path) -> Check:
+        return self.check_step(path) if path.suffix == ".step" else self.check_mesh(path)
+
+
+class _Exact(_Checked):
     """Films whose STEP states surfaces that `check_agreement` knows."""
 
     #: Largest relative difference between the volumes of STL and STEP.
@@ -74,13 +93,21 @@ class _Designed(_Exact):
             write = {".stl": write_stl, ".3mf": write_3mf, ".ply": write_ply}[path.suffix]
             write(self.film, path, self.angle, name=name)
 
-    def check(self, path: Path) -> Check:
-        from mpfcad.cad import check_3mf, check_ply, check_step, check_stl
+    def check_step(self, path: Path) -> StepCheck:
+        from mpfcad.cad import check_step
 
-        if path.suffix == ".step":
-            return check_step(path, self.film, bodies=self.bodies)
-        if path.suffix == ".stl":
-            return check_stl(path, self.film, self.angle)
+        return check_step(path, self.film, bodies=self.bodies)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad import check_stl
+
+        return check_stl(path, self.film, self.angle)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad import check_3mf, check_ply
+
+        if path.suffix in (".step", ".stl"):
+            return super().check(path)
         return {".3mf": check_3mf, ".ply": check_ply}[path.suffix](path, self.film)
 
 
@@ -120,15 +147,22 @@ class _Made(_Exact):
             stl.write_mesh(mesh, path, name)
 
     def check(self, path: Path) -> Check:
-        from mpfcad.cad.check.section import check_section_step, check_section_stl
         from mpfcad.cad.check.section_file import check_section_3mf, check_section_ply
 
+        if path.suffix in (".step", ".stl"):
+            return super().check(path)
+        check = {".3mf": check_section_3mf, ".ply": check_section_ply}[path.suffix]
+        return check(path, self.made.section(self.sliver))
+
+    def check_step(self, path: Path) -> StepCheck:
+        from mpfcad.cad.check.section import check_section_step
+
+        return check_section_step(path, self.made.section(self.sliver), "film")
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad.check.section import check_section_stl
+
         section = self.made.section(self.sliver)
-        if path.suffix == ".step":
-            return check_section_step(path, section, "film")
-        if path.suffix in (".3mf", ".ply"):
-            check = {".3mf": check_section_3mf, ".ply": check_section_ply}[path.suffix]
-            return check(path, section)
         parabolas = None if self.made.imperfection.measured is not None else self.made.film
         return check_section_stl(path, section, self.angle, parabolas)
 
@@ -153,16 +187,18 @@ class _Cells(_Exact):
         else:
             stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
 
-    def check(self, path: Path) -> Check:
-        from mpfcad.cad.check.cell import check_cell_stl
+    def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step import check_film_body
 
-        if path.suffix == ".step":
-            return check_film_body(path, self.film)
+        return check_film_body(path, self.film)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad.check.cell import check_cell_stl
+
         return check_cell_stl(path, self.film, self.angle)
 
 
-class _Field:
+class _Field(_Checked):
     """Grooves whose curvature varies along them: one body of patches."""
 
     formats = ("step", "stl", *HEIGHT_FORMATS)
@@ -181,16 +217,18 @@ class _Field:
         else:
             stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
 
-    def check(self, path: Path) -> Check:
-        from mpfcad.cad.check.field import check_field_stl
+    def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step import check_film_body
 
-        if path.suffix == ".step":
-            return check_film_body(path, self.film)
+        return check_film_body(path, self.film)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad.check.field import check_field_stl
+
         return check_field_stl(path, self.film, self.angle)
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
-        from mpfcad.cad.check.field import VOLUME_TOLERANCE
+        from mpfcad.cad.check.field import VOLUME_LIMIT
         from mpfcad.cad.check.field_agreement import check_field_agreement
 
-        return check_field_agreement(step, stl, volume, VOLUME_TOLERANCE)
+        return check_field_agreement(step, stl, volume, VOLUME_LIMIT)

@@ -76,7 +76,10 @@ def _draw_made(
         # The tool keeps its angle: grooves of another pitch are similar ones.
         measured = measured * (groove.pitch / piece.groove.pitch)
     imperfection = Imperfection(table.tip_radius, table.valley_radius, measured)
-    made = MadeFilm(replace(piece, groove=groove), imperfection)
+    curvature = piece.curvature
+    if piece.profile == "filled":
+        curvature = np.minimum(curvature, groove.curvature_empty)
+    made = MadeFilm(replace(piece, groove=groove, curvature=curvature), imperfection)
     return made.with_resin(piece.resin_height)
 
 

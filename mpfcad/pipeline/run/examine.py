@@ -14,6 +14,7 @@ from mpfcad.backlight import Stack, read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
 from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
+from mpfcad.gate import Gate
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import (
@@ -29,8 +30,7 @@ from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
-from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, check_cad, check_masks
-from mpfcad.pipeline.run.mask_order import phototool
+from mpfcad.pipeline.run.file_check import examine_files
 from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
 
@@ -47,9 +47,11 @@ class Findings:
     mask
         check of each mask file by its name; empty without a mask
     step, mesh
-        checks of film.step and film.stl
+        checks of film.step and film.stl; None where the file does not read back as one
     agreement
-        film.step against film.stl
+        film.step against film.stl; None unless both do
+    gates
+        of the files
     curvature_difference
         largest |C of the mask - C of the facets| [1/mm] over the grooves of the piece; for a film
         without mask the map's C stands in for the mask's; where curvatures vary along the grooves,
@@ -63,21 +65,22 @@ class Findings:
         (n,) float64, mean aperture ratio that each groove of the panel should have; None without
         mask
     luminance, plain, baseline
-        of this film, of its prisms without resin in the same backlight, and of the conventional
-        stack with a plain BEF
+        of this film (None where film.stl cannot be traced), of its prisms without resin in the same
+        backlight, and of the conventional stack with a plain BEF
     printing
         what the screen prints; None without a mask
     """
 
     mask: dict[str, MaskCheck]
-    step: StepCheck
-    mesh: MeshCheck
-    agreement: Agreement
+    step: StepCheck | None
+    mesh: MeshCheck | None
+    agreement: Agreement | None
+    gates: list[Gate]
     curvature_difference: float | None
     resin: ResinCheck | None
     traced_sha256: str
     wanted_ratio: NDArray[np.float64] | None
-    luminance: LuminanceResult
+    luminance: LuminanceResult | None
     plain: LuminanceResult
     baseline: LuminanceResult
     printing: Printing | None = None
@@ -92,54 +95,50 @@ def examine(
     checkpoints: Checkpoints,
     progress: Progress,
 ) -> Findings:
-    """Check and trace the files in `folder`.
-
-    Raises
-    ------
-    ExportError
-        when a file does not read back as what it should hold.
-    """
-    masks = {}
-    if mask is not None and plan.process is not None:
-        tool = phototool(plan.job, mask, plan.process)
-        masks = check_masks(mask, tool, folder, plan.job.mask.formats, progress)
-    cad, agreement = check_cad(plan, folder, RUN_CAD_FORMATS, progress)
-    step, mesh = cad["step"], cad["stl"]
-    wanted = None if mask is None else mask.wanted_ratio
-    printing = None
-    if mask is not None and plan.process is not None:
-        printing = plan_printing(plan.job, mask, plan.process)
-    difference = _curvature_difference(plan, masks, mesh, wanted)
-    resin = _check_resin(plan, masks, mesh, wanted)
+    """Check and trace the files in `folder`; what a file misses is in its gates."""
+    found = examine_files(folder, plan, mask, progress)
     before = sha256(folder / "film.stl")
     run = TraceRun(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
-        progress.trace,
+        progress.trace, judged=True,
     )  # fmt: skip
-    progress.stage("tracing film.stl")
-    lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
-    if lit.spot.is_rounded:
-        progress.note(lit.spot.note)
-    luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    luminance = None
+    if found.mesh is not None:
+        progress.stage("tracing film.stl")
+        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+        if lit.spot.is_rounded:
+            progress.note(lit.spot.note)
+        luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)
     progress.stage("tracing the conventional stack")
     lit = light_baseline(plan.job.cad.angle_tolerance)
     baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    wanted = None if mask is None else mask.wanted_ratio
+    printing = None
+    if mask is not None and plan.process is not None:
+        printing = plan_printing(plan.job, mask, plan.process)
+    difference = resin = None
+    if found.mesh is not None:
+        difference = compare_curvature(plan, found.mask, found.mesh, wanted)
+        resin = compare_resin(plan, found.mask, found.mesh, wanted)
     return Findings(
-        masks, step, mesh, agreement, difference, resin, before, wanted, luminance, plain, baseline,
-        printing,
+        found.mask, found.step, found.mesh, found.agreement, found.gates, difference, resin,
+        before, wanted, luminance, plain, baseline, printing,
     )  # fmt: skip
 
 
-def _curvature_difference(
+def compare_curvature(
     plan: Plan,
     masks: dict[str, MaskCheck],
     mesh: MeshCheck,
     wanted_ratio: NDArray[np.float64] | None,
 ) -> float | None:
-    """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves."""
-    if mesh.curvature is None:
+    """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves.
+
+    None of a measured surface, and where no mask reads back.
+    """
+    if mesh.curvature is None or (plan.process is not None and not masks):
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     if isinstance(plan.drawn, FieldPiece):
@@ -171,7 +170,7 @@ def _curvature_as_drawn(
     return process.curvature(ratio)
 
 
-def _check_resin(
+def compare_resin(
     plan: Plan,
     masks: dict[str, MaskCheck],
     mesh: MeshCheck,
@@ -179,7 +178,7 @@ def _check_resin(
 ) -> ResinCheck | None:
     """Return the resin that the masks give the piece, and that of the mesh."""
     drawn, process = plan.drawn, plan.process
-    if process is None or wanted_ratio is None or isinstance(drawn, CellFilm):
+    if process is None or wanted_ratio is None or not masks or isinstance(drawn, CellFilm):
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     width, length = drawn.size

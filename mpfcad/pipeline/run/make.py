@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpfcad.cad import Agreement
+from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import FieldFilm, MadeFilm, PrismFilm, Process
+from mpfcad.gate import Gate, demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.plan.drawing import Check, drawing_of
@@ -74,12 +75,12 @@ def write_masks(
 def check_masks(
     mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
 ) -> dict[str, MaskCheck]:
-    """Return the check of each mask file by its name.
+    """Return the check of each mask file by its name; its gates judge it.
 
     Raises
     ------
     ExportError
-        when a file does not read back as what it should hold.
+        when a file does not read back as such a mask.
     """
     from mpfcad.mask import check_mask
 
@@ -123,20 +124,18 @@ def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progre
 
 def check_cad(
     plan: Plan, folder: Path, formats: Sequence[str], progress: Progress
-) -> tuple[dict[str, Check], Agreement | None]:
-    """Return the check of each CAD file in `folder` by format, and of STEP against STL.
-
-    The last is None unless both are there.
+) -> list[StepCheck | MeshCheck | Agreement]:
+    """Return the check of each CAD file in `folder` that has gates, and of STEP against STL.
 
     Raises
     ------
     ExportError
-        when a file does not read back as what it should hold.
+        when a file does not read back as such a body.
     """
     from mpfcad.cad.file.height import check_heights
 
     drawing = drawing_of(plan.drawn, plan.job.cad)
-    checks = {}
+    checks: dict[str, Check] = {}
     for suffix in formats:
         progress.stage(f"checking film.{suffix}")
         path = folder / f"film.{suffix}"
@@ -144,12 +143,20 @@ def check_cad(
             check_heights(path, build_grid(plan.drawn, plan.job.cad))
         else:
             checks[suffix] = drawing.check(path)
-    if not {"step", "stl"} <= set(formats):
-        return checks, None
-    progress.stage("comparing film.step with film.stl")
-    volume = sum(checks["step"].bodies.values())
-    files = folder / "film.step", folder / "film.stl"
-    return checks, drawing.compare(*files, volume)
+    found: list[StepCheck | MeshCheck | Agreement] = [
+        check for check in checks.values() if not isinstance(check, BodyCheck)
+    ]
+    step = checks.get("step")
+    if isinstance(step, StepCheck) and "stl" in checks:
+        progress.stage("comparing film.step with film.stl")
+        files = folder / "film.step", folder / "film.stl"
+        found.append(drawing.compare(*files, sum(step.bodies.values())))
+    return found
+
+
+def gates_of(check: Check) -> tuple[Gate, ...]:
+    """Return the gates of a CAD file; formats without a verdict have none."""
+    return () if isinstance(check, BodyCheck) else check.gates
 
 
 def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
@@ -173,7 +180,7 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
         progress.stage(f"writing {names[-1]}")
         place = f"x0 = {first * grooves.groove.pitch:.6g} mm"
         tile.write(folder / names[-1], f"{place}, {plan.job.name}")
-        tile.check(folder / names[-1])
+        demand(gates_of(tile.check(folder / names[-1])))
     return names
 
 

@@ -11,6 +11,7 @@ from mpfcad.cad.step.file import Header
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm
+from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.pipeline.plan.drawing import step_header
 from mpfcad.pipeline.plan.plan import Plan, read_plan
@@ -117,15 +118,16 @@ def _write_solids(
     section_step.write_section_step(
         mould.section, path, name="mould", body="mould", colour=colour, header=header
     )
-    volume = {
-        "mould.step": section_check.check_section_step(path, mould.section, "mould").bodies["mould"]
-    }
+    step = section_check.check_section_step(path, mould.section, "mould")
+    demand(step.gates)
+    volume = {"mould.step": step.bodies["mould"]}
     progress.stage("writing mould.stl")
     path = folder / "mould.stl"
     coarse = _build(made, setting, mesh_sliver(made.film)).section
     stl.write_mesh(section_mesh.build_section_mesh(coarse, tolerance), path, "mould")
     check = section_check.check_section_stl(path, coarse, tolerance)
-    volume["mould.stl"] = coarse.volume * (1 + check.volume_error)
+    demand(check.gates)
+    volume["mould.stl"] = check.volume
     return volume
 
 

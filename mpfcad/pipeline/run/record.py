@@ -47,6 +47,7 @@ def build_record(
         findings.step,
         findings.mesh,
         findings.agreement,
+        findings.gates,
         findings.curvature_difference,
         findings.resin,
         findings.traced_sha256 == hashes["film.stl"],
@@ -67,7 +68,9 @@ def build_record(
         plain=findings.plain,
         baseline=findings.baseline,
         baseline_stack=BASELINE_PRESET,
-        eye=describe_eye(
+        eye=None
+        if findings.luminance is None
+        else describe_eye(
             plan.stack.period.across,
             job.mask.viewing_distance_mm,
             findings.luminance.mean_luminance.value,

@@ -5,6 +5,7 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
@@ -58,8 +59,6 @@ def run_job(
     ------
     InputError
         when the job or a file it names is wrong, or no browser can print; `out` is then as it was.
-    ExportError
-        when a file does not read back as what it should hold; `out` is then as it was.
     """
     browser = _browser() if pdf else None
     effort = effort or job.trace.effort
@@ -142,7 +141,7 @@ def make_mask(
     InputError
         when the job is wrong or no print can make its film.
     ExportError
-        when a file does not read back as what it should hold.
+        when a file does not read back as a mask.
     """
     progress.stage(f"reading {job_file}")
     refuse_picture(
@@ -199,7 +198,8 @@ def make_cad(
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
         write_cad(plan, folder, whole, progress)
-        check_cad(plan, folder, whole, progress)
+        for check in check_cad(plan, folder, whole, progress):
+            demand(check.gates)
         names += write_tiles(plan, folder, progress) if tiled else []
         write_manifest(folder, job.name, "cad")
     return names

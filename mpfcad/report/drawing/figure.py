@@ -33,6 +33,8 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
     curves.append(("conventional", record["baseline"], BASE_COLOUR, BASE_BAND))
     for name, found, colour, band in curves:
         curve = found["luminance"]
+        if curve is None:
+            continue
         x = np.array(curve["position_pitch"])
         value = np.array(curve["luminance_cd_m2"])
         error = reach(found["degrees_of_freedom"]) * np.array(curve["standard_error_cd_m2"])

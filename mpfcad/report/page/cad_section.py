@@ -26,31 +26,38 @@ def cad_values(record: Record, evidence: Evidence) -> dict[str, Any]:
     stl = evidence.folder / "film.stl"
     cells = isinstance(evidence.drawn, CellFilm)
     title = "A section through the cells' tips" if cells else "The first groove of the piece"
+    readable = record["mesh"] is not None
     return {
         "rows": _rows(record, evidence),
-        "view": plot(_shown(stl, evidence), "grooves"),
+        "view": plot(_shown(stl, evidence), "grooves") if readable else None,
         "view_words": _view_words(evidence),
         "dimensions": draw_dimensions(evidence.made, 0),
         "section_title": title,
-        "grooves": None if cells else draw_grooves(stl, evidence.made, evidence.shown_groove),
+        "grooves": None
+        if cells or not readable
+        else draw_grooves(stl, evidence.made, evidence.shown_groove),
     }
 
 
 def _rows(record: Record, evidence: Evidence) -> list[tuple[str, Any]]:
-    step, mesh, pair = record["step"], record["mesh"], record["step_mesh"]
-    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step["bodies_volume_mm3"].items())
+    # A file that does not read back has no figures: each is "not applicable".
+    nothing: dict[str, Any] = {}
+    step, mesh, pair = (record[key] or nothing for key in ("step", "mesh", "step_mesh"))
+    bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step.get("bodies_volume_mm3", {}).items())
     return [
         ("both: extent", _extent(evidence)),
-        ("film.step: bodies", bodies),
-        ("film.step: largest relative error of a volume", number(step["volume_error"], 3)),
-        ("film.stl: facets", number(mesh["triangle_count"])),
-        ("film.stl: relative error of the volume", number(mesh["volume_error"], 3)),
+        ("film.step: bodies", bodies or "none read back"),
+        ("film.step: largest relative error of a volume", _quantity(step.get("volume_error"))),
+        ("film.stl: facets", _quantity(mesh.get("triangle_count"))),
+        ("film.stl: relative error of the volume", _quantity(mesh.get("volume_error"))),
         ("film.stl: facet normals, rms / of the facet nearest to its limit",
-         _pair(mesh["normal_error_deg_rms"], mesh["normal_error_deg_max"], "°")),
+         _pair(mesh.get("normal_error_deg_rms"), mesh.get("normal_error_deg_max"), "°")),
         ("film.stl: slopes against the profile's secants, rms / of the worst groove",
-         _pair(mesh["secant_error_deg_rms"], mesh["secant_error_deg_rms_worst_groove"], "°")),
+         _pair(mesh.get("secant_error_deg_rms"), mesh.get("secant_error_deg_rms_worst_groove"),
+               "°")),
         ("film.stl against film.step: largest distance / difference of volume",
-         _quantity(pair["distance_um_max"], " µm") + " / " + _quantity(pair["volume_difference"])),
+         _quantity(pair.get("distance_um_max"), " µm") + " / "
+         + _quantity(pair.get("volume_difference"))),
         ("mask against film.stl: largest difference of C",
          _quantity(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
     ]  # fmt: skip

@@ -14,7 +14,7 @@ from mpfcad.report.drawing.strip import (
     seen_strip,
     strip_position,
 )
-from mpfcad.report.page.wording import GATES, verdict_sentence
+from mpfcad.report.page.wording import label_of, verdict_sentence
 
 Record = dict[str, Any]
 #: The scale of contrasts holds so much of the wider limit, this film's interval with some room, and
@@ -41,7 +41,7 @@ def decision_values(record: Record) -> Record:
 
 def _films(record: Record) -> list[tuple[str, Record]]:
     """Return (name, its trace) of this film and of those that it is compared with."""
-    films = [(f"this film: {record['name']}", record)]
+    films = [(f"this film: {record['name']}", record)] if record["luminance"] else []
     if record.get("plain"):
         films.append(("plain BEF in this backlight", record["plain"]))
     return [*films, ("conventional stack", record["baseline"])]
@@ -52,15 +52,15 @@ def _other_gates(record: Record) -> Record:
     missed = [gate for gate in others if gate["outcome"] != "PASS"]
     return {
         "count": len(others),
-        "missed": [
-            (GATES.get(gate["name"], (gate["name"], ""))[0], gate["outcome"]) for gate in missed
-        ],
+        "missed": [(label_of(gate["name"]), gate["outcome"]) for gate in missed],
     }
 
 
 def _figures(record: Record) -> list[tuple[str, str, str]]:
     """Return (what, value, its 95 % interval) of the figures that a reader looks for first."""
     contrast, mean = record["lamp_mura_contrast"], record["mean_luminance_cd_m2"]
+    if contrast is None:
+        return [("lamp-Mura contrast", "not traced", record["gates"][0].get("detail", ""))]
     return [
         (
             "lamp-Mura contrast",
@@ -87,7 +87,7 @@ def scale_values(record: Record, films: list[tuple[str, Record]]) -> Record:
     end = max(
         _LIMITS_SHOWN * gate["marginal_limit"],
         min(_ROOM * widest, _MOST * gate["marginal_limit"]),
-        _ROOM * gate["ci95"][1],
+        _ROOM * (gate["ci95"] or (0, 0))[1],
     )
 
     def place(value: float) -> float:

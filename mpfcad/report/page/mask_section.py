@@ -28,6 +28,8 @@ _LINES = (
 
 def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
     """Return what the mask files hold and their pictures, or why there is no mask."""
+    if record["mask"] is None and record["process"] is not None:
+        return {"reason": "no file reads back as the one that was written"}
     if record["mask"] is None:
         cells = isinstance(evidence.drawn, CellFilm)
         reason = "cells have no printing process" if cells else "an ideal film cannot be printed"

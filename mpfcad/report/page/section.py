@@ -39,7 +39,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
         "plain BEF": record.get("plain"),
         "conventional": record["baseline"],
     }
-    traces = {name: found for name, found in names.items() if found}
+    traces = {name: found for name, found in names.items() if found and found["luminance"]}
     return {
         "traces": list(traces.items()),
         "energy_head": ["share of the lamps' light", *traces],

@@ -10,6 +10,10 @@ GATES = {
         "Lamp-Mura contrast",
         "(L_{max} − L_{min}) / (L_{max} + L_{min}) over one lamp pitch",
     ),
+    "mask_file_as_written": (
+        "Mask: files read back",
+        "panel, apertures, text and furniture of each file, by another library than wrote it",
+    ),
     "mask_aperture_ratio_error": (
         "Mask: aperture ratio",
         "max |read back from the file − wanted| over all grooves",
@@ -46,11 +50,36 @@ GATES = {
     ),
     "step_valid": ("STEP: valid solids", "checked by OCCT after reading the file again"),
     "step_volume_error": ("STEP: volume", "max |V_{file} / V_{closed form} − 1|"),
+    "step_extent_error_um": (
+        "STEP: extent [µm]",
+        "largest distance of the bounding box's corners from the film's",
+    ),
+    "step_curvature_error": ("STEP: parabolas", "max |C_{file} / C − 1| over all grooves"),
+    "step_place_error_um": (
+        "STEP: place of the parabolas [µm]",
+        "largest distance of a vertex from its place",
+    ),
     "mesh_watertight": ("STL: one closed mesh", "each edge belongs to exactly two facets"),
     "mesh_volume_error": ("STL: volume", "|V_{file} / V_{closed form} − 1|"),
     "mesh_normal_error_deg": (
         "STL: facet normals [°]",
         "angle to the true surface at the facet's ends, of the facet nearest to its limit",
+    ),
+    "mesh_extent_error_um": (
+        "STL: extent [µm]",
+        "largest distance of the bounding box's corners from the film's, both in float32",
+    ),
+    "mesh_normal_error_deg_rms": (
+        "STL: facet normals, rms [°]",
+        "angle to the true surface at the facets' middles; limit: or what float32 forces",
+    ),
+    "mesh_height_error_um": (
+        "STL: heights [µm]",
+        "largest distance in z of a corner from the true surface; limit: what float32 forces",
+    ),
+    "mesh_curvature_error_per_mm": (
+        "STL: curvature [1/mm]",
+        "max |C from the facets − C| over all grooves",
     ),
     "step_mesh_distance_um": (
         "STL against STEP [µm]",
@@ -66,7 +95,7 @@ GATES = {
     ),
     "resin_volume_difference": (
         "Mask against STL: resin",
-        "|resin by the mask's aperture ratios − (V<sub>STL</sub> − V<sub>bare prisms</sub>)| over "
+        "|resin by the mask's aperture ratios − (V_{STL} − V_{bare prisms})| over "
         "that of full grooves",
     ),
     "traced_file_is_shipped_file": (
@@ -80,7 +109,12 @@ GATES = {
     "energy_lost": ("Lost light", "weight of paths that ended nowhere / weight of all paths"),
 }
 #: Gates whose value is yes or no.
-YES_NO = ("step_valid", "mesh_watertight", "traced_file_is_shipped_file")
+YES_NO = (
+    "mask_file_as_written",
+    "step_valid",
+    "mesh_watertight",
+    "traced_file_is_shipped_file",
+)
 
 _SENTENCES = {
     "PASS": "By the job's limits the lamps are invisible: the whole 95 % interval is within "
@@ -97,6 +131,8 @@ _SENTENCES = {
 def verdict_sentence(record: dict[str, Any]) -> str:
     """Return what the contrast's gate decides, as a sentence."""
     gate = record["gates"][0]
+    if gate["value"] is None:
+        return "Not traced: film.stl does not read back as one closed mesh."
     words = _SENTENCES[gate["outcome"]].format(
         limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
     )
@@ -108,11 +144,16 @@ def verdict_sentence(record: dict[str, Any]) -> str:
     return words
 
 
+def label_of(name: str) -> str:
+    """Return what a gate is; the name itself for one of another version."""
+    return GATES[name][0] if name in GATES else name
+
+
 def gate_values(gate: dict[str, Any]) -> dict[str, Any]:
     """Return what stands in a gate's line: what, how, value with interval, limits, outcome."""
-    label, formula = GATES.get(gate["name"], (gate["name"], ""))
+    formula = GATES.get(gate["name"], ("", ""))[1]
     sign = "≥" if gate.get("at_least") else "≤"
-    value: str = number(gate["value"], 3)
+    value: str = "not measured" if gate["value"] is None else number(gate["value"], 3)
     limit: str = sign + " " + number(gate["limit"], 3)
     if gate["name"] in YES_NO:
         value, limit = ("yes" if gate["value"] else "no"), "yes"
@@ -120,10 +161,11 @@ def gate_values(gate: dict[str, Any]) -> dict[str, Any]:
         value = with_interval(gate, 4)
     marginal = sign + " " + number(gate["marginal_limit"], 3) if "marginal_limit" in gate else ""
     return {
-        "label": label,
+        "label": label_of(gate["name"]),
         "formula": formula,
         "value": value,
         "limit": limit,
         "marginal": marginal,
         "outcome": gate["outcome"],
+        "detail": gate.get("detail", ""),
     }
