@@ -10,11 +10,11 @@ from mpfcad.cli.option import Json
 from mpfcad.cli.sign import print_json
 
 if TYPE_CHECKING:
-    from mpfcad.film import Groove, Interval, ReadingOption, StylusFit, StylusTrace
+    from mpfcad.film import Coupon, Groove, Interval, ReadingOption, StylusFit, StylusTrace
 
 _HEADER = (
     f"{'file':<24}{'aperture':>9}{'curvature_per_mm [95 %]':>28}"
-    f"{'fitted_curvature_per_mm [95 %]':>32}{'fill':>8}"
+    f"{'fitted_curvature_per_mm [95 %]':>32}{'fill [95 %]':>26}"
     f"{'rms_um':>9}{'fit_rms_um':>12}{'tilt_deg':>10}"
 )
 
@@ -74,12 +74,15 @@ def command(
     solids: Annotated[
         float, typer.Option("--solids", help="Of the resin that was printed: 0 … 1.")
     ] = 1.0,
-    widths: Annotated[int, typer.Option("--widths", min=2, help="Prism widths fitted.")] = 2,
+    widths: Annotated[
+        int | None,
+        typer.Option("--widths", min=2, metavar="N", help="Prism widths [default: all, up to 40]."),
+    ] = None,
     json: Json = False,
 ) -> int:
     """Find the curvature of printed grooves from stylus traces."""
     from mpfcad.errors import InputError
-    from mpfcad.film import Coupon, Groove, fit_stylus_trace, read_stylus_trace
+    from mpfcad.film import Groove, fit_stylus_trace, read_stylus_trace
     from mpfcad.units import um
 
     rows = _read_coupons(files or [], aperture or [], coupons)
@@ -87,11 +90,13 @@ def command(
         raise InputError("--out: an aperture ratio must be given for each file")
     groove = Groove(pitch_um * um, depth_um * um)
     option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct)
-    traces = [read_stylus_trace(path, groove, widths, option) for path, _ in rows]
-    fits = [fit_stylus_trace(trace, groove, prism_widths=widths) for trace in traces]
+    traces = [read_stylus_trace(path, groove, widths or 2, option) for path, _ in rows]
+    fits = [
+        fit_stylus_trace(trace, groove, prism_widths=widths, correct=correct) for trace in traces
+    ]
     if out is not None:
         prints = [
-            Coupon(ratio, fit.curvature.value, path.name, fit.curvature.low, fit.curvature.high)
+            _coupon(ratio, path.name, fit.fill_fraction, groove)
             for (path, ratio), fit in zip(rows, fits, strict=True)
             if ratio is not None
         ]
@@ -101,7 +106,7 @@ def command(
         for (path, ratio), trace, fit in zip(rows, traces, fits, strict=True)
     ]
     if json:
-        document = {"schema": 1, "prism_widths": widths, "traces": figures}
+        document = {"schema": 1, "traces": figures}
         if out is not None:
             document["process"] = found
         print_json(document)
@@ -198,20 +203,34 @@ def _figures(
 ) -> dict[str, Any]:
     from mpfcad.units import deg, um
 
-    fill = [float(groove.fill_fraction(c)) for c in _bounds(fit.curvature)]
     return {
         "file": str(path),
         "reading": trace.reading,
         "aperture_ratio": ratio,
         "curvature_per_mm": _entry(_bounds(fit.curvature)),
         "fitted_curvature_per_mm": _entry(_bounds(fit.fitted_curvature)),
-        "fill_fraction": _entry([fill[0], fill[2], fill[1]]),
+        "fill_fraction": _entry(_bounds(fit.fill_fraction)),
         "residual_rms_um": fit.residual_rms / um,
         "fitted_residual_rms_um": fit.fitted_residual_rms / um,
         "tilt_deg": fit.tilt / deg,
         "groove_centre_um": fit.centre / um,
+        "pitch_um": fit.pitch / um,
+        "depth_um": fit.depth / um,
+        "tip_radius_um": None if fit.tip is None else fit.tip.radius / um,
+        "prism_widths": fit.grooves,
         "points": len(fit.position),
+        "notes": list(fit.notes),
     }
+
+
+def _coupon(ratio: float, name: str, fill: "Interval", groove: "Groove") -> "Coupon":
+    """Return a coupon by its fill, under the names that curvatures of the stated groove give it."""
+    from mpfcad.film import Coupon
+
+    value, low, high = (
+        float(groove.curvature_of_fill(f)) for f in (fill.value, fill.high, fill.low)
+    )
+    return Coupon(ratio, value, name, low, high)
 
 
 def _bounds(interval: "Interval") -> list[float]:
@@ -231,9 +250,14 @@ def _print_table(figures: list[dict[str, Any]]) -> None:
         for name in ("curvature_per_mm", "fitted_curvature_per_mm"):
             low, high = row[name]["ci95"]
             cells.append(f"{row[name]['value']:.3f} [{low:.3f}, {high:.3f}]")
+        low, high = row["fill_fraction"]["ci95"]
+        fill = f"{row['fill_fraction']['value']:.4f} [{low:.4f}, {high:.4f}]"
         ratio = "" if row["aperture_ratio"] is None else f"{row['aperture_ratio']:g}"
         print(
             f"{Path(row['file']).name:<24}{ratio:>9}{cells[0]:>28}{cells[1]:>32}"
-            f"{row['fill_fraction']['value']:>8.4f}{row['residual_rms_um']:>9.4f}"
+            f"{fill:>26}{row['residual_rms_um']:>9.4f}"
             f"{row['fitted_residual_rms_um']:>12.4f}{row['tilt_deg']:>10.3f}"
         )
+    for row in figures:
+        for note in row["notes"]:
+            print(f"{Path(row['file']).name}: {note}")

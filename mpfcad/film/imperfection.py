@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
+from mpfcad.film.groove_tip import Flank, round_tips
 from mpfcad.film.section import ARC, LINE, PARABOLA, Section, join_pieces
-from mpfcad.film.stylus.groove_tip import Flank, round_tips
 from mpfcad.units import nm, um
 
 #: Parts narrower than this are merged into their neighbours unless asked otherwise.

@@ -4,40 +4,76 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus.fit import fit_stylus_trace
+from mpfcad.film.stylus.fit import MOST_WIDTHS, fit_stylus_trace
+from mpfcad.film.stylus.tip import StylusTip, dilate, erode
 from mpfcad.film.stylus.trace import StylusTrace
+from mpfcad.units import nm
 
 #: Straight pieces across one groove.
 PIECES = 50
 #: Corners that lie nearer to a line [mm] are left out: less than a stylus tells, and each piece
 #: costs a CAD kernel a face.
 STRAIGHT = 5e-6
+#: Steps of a piece at which the tip is taken off.
+FINE = 20
+#: A surface that erosion gives back this close [mm] was touched by the tip.
+TOUCHED = 5 * nm
 
 
 def average_groove(trace: StylusTrace, groove: Groove, profile: Profile) -> NDArray[np.float64]:
     """Return the groove's mean surface, (k, 2) float64 [mm]: x from its centre -w … w, height.
 
     The trace is levelled and centred as `fit_stylus_trace` does; then the polyline of equal steps
-    that fits all its heights best is taken, its two ends the same tip, and its corners that lie in
-    a line within `STRAIGHT` left out: k is at most 51.
+    that fits all its heights best is taken, its two ends the same tip. The stylus's tip, if known,
+    is taken off by erosion where it touched the surface; elsewhere the fitted groove is taken.
+    Corners that lie in a line within `STRAIGHT` are left out: k is at most 51.
 
     Raises
     ------
     InputError
         when the trace does not show grooves of this pitch and depth.
     """
-    widths = int((trace.position[-1] - trace.position[0]) / groove.pitch * (1 + 1e-9))
-    fit = fit_stylus_trace(trace, groove, profile, max(widths, 2))
-    place = (fit.position + groove.half_width) / groove.pitch * PIECES
+    widths = max(min(trace.widths(groove.pitch), MOST_WIDTHS), 2)
+    fit = fit_stylus_trace(trace, groove, profile, widths)
+    height = _mean(fit.position, fit.height, groove)
+    if fit.tip is not None:
+        height = _without_tip(height, _mean(fit.position, fit.surface, groove), groove, fit.tip)
+    x = np.linspace(-groove.half_width, groove.half_width, PIECES + 1)
+    return _thinned(np.column_stack([x, np.append(height, height[0])]))
+
+
+def _mean(
+    position: NDArray[np.float64], height: NDArray[np.float64], groove: Groove
+) -> NDArray[np.float64]:
+    """Return the polyline, (50,) float64 [mm], that fits heights best."""
+    place = (position + groove.half_width) / groove.pitch * PIECES
     left = np.clip(place.astype(int), 0, PIECES - 1)
     share = place - left
     basis = np.zeros((len(place), PIECES))
     row = np.arange(len(place))
     basis[row, left] += 1 - share
     basis[row, (left + 1) % PIECES] += share
-    height = np.linalg.lstsq(basis, fit.height, rcond=None)[0]
-    x = np.linspace(-groove.half_width, groove.half_width, PIECES + 1)
-    return _thinned(np.column_stack([x, np.append(height, height[0])]))
+    found: NDArray[np.float64] = np.linalg.lstsq(basis, height, rcond=None)[0]
+    return found
+
+
+def _without_tip(
+    traced: NDArray[np.float64],
+    fitted: NDArray[np.float64],
+    groove: Groove,
+    tip: StylusTip,
+) -> NDArray[np.float64]:
+    """Return the traced polyline (50,) eroded where the tip touched, the fitted one elsewhere."""
+    step = groove.pitch / PIECES / FINE
+    place = np.arange(PIECES * FINE) / FINE
+    fine, model = (
+        np.interp(place, np.arange(PIECES + 1), np.append(line, line[0]))
+        for line in (traced, fitted)
+    )
+    back = erode(dilate(model, step, tip, periodic=True), step, tip, periodic=True)
+    touched = back - model < TOUCHED
+    eroded = erode(fine, step, tip, periodic=True)
+    return np.where(touched, eroded, model)[::FINE]
 
 
 def _thinned(point: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -54,7 +54,8 @@ def test_calibration_file(traces, capsys, way):
     assert run_app(["calibrate", *arguments, *options]) == 0
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1] == "process.toml"
-    assert len(printed.splitlines()) == 8
+    assert len(printed.splitlines()) == 11
+    assert printed.count("tip not stated: the interval holds") == 3
     process = read_process(traces / "process.toml", BEF)
     ratio, curvature = zip(*TRUTH.values(), strict=True)
     assert process.curvature(ratio) == pytest.approx(curvature, abs=0.2)

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpfcad.errors import InputError
 from mpfcad.film import (
     Coupon,
     Groove,
+    StylusTip,
     StylusTrace,
     fit_stylus_trace,
     read_process,
@@ -17,6 +18,7 @@ from mpfcad.film import (
 )
 
 BEF = Groove(0.050, 0.025)
+SHARP = StylusTip(0.0)
 
 
 def trace(
@@ -26,9 +28,12 @@ def trace(
     x = np.arange(0.0, length, 2e-4)
     local = (x - centre + BEF.half_width) % BEF.pitch - BEF.half_width
     z = BEF.height(local, curvature, profile) + tilt * x - 0.7
-    return StylusTrace(x + 3.0, z + np.random.default_rng(seed).normal(0, noise, x.size), "t.csv")
+    return StylusTrace(
+        x + 3.0, z + np.random.default_rng(seed).normal(0, noise, x.size), "t.csv", SHARP
+    )
 
 
+@settings(max_examples=25)
 @given(
     curvature=st.floats(2.0, 79.0),
     tilt=st.floats(-0.2, 0.2),
@@ -49,8 +54,11 @@ def test_without_noise_both_curvatures_are_exact(curvature, tilt, centre, length
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    """Of 200 traces 190 ± 3.1 should: 179 is 3.6 standard deviations away."""
-    curvatures = np.random.default_rng(5).uniform(5, 75, 200)
+    """Of 60 traces 57 ± 1.7 should: 51 is 3.6 standard deviations away.
+
+    Both readings of a scale that noise alone puts off are in the interval: it may hold all.
+    """
+    curvatures = np.random.default_rng(5).uniform(5, 75, 60)
     held = np.zeros(2)
     for seed, curvature in enumerate(curvatures):
         fit = fit_stylus_trace(trace(curvature, seed=seed), BEF)
@@ -59,8 +67,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
             fit.curvature.low <= curvature <= fit.curvature.high,
             fit.fitted_curvature.low <= fitted <= fit.fitted_curvature.high,
         ]
-    assert np.all(held >= 179)
-    assert np.all(held < 200)
+    assert np.all(held >= 51)
 
 
 def test_correlated_noise_widens_the_interval():
@@ -68,7 +75,7 @@ def test_correlated_noise_widens_the_interval():
     rough = trace(57.0, noise=0.0)
     noise = np.random.default_rng(2).normal(0, 4.5e-4, len(rough.height) + 19)
     noise = np.convolve(noise, np.ones(20) / 20, "valid")
-    wavy = fit_stylus_trace(StylusTrace(rough.position, rough.height + noise, "wavy"), BEF)
+    wavy = fit_stylus_trace(StylusTrace(rough.position, rough.height + noise, "wavy", SHARP), BEF)
     white = fit_stylus_trace(trace(57.0), BEF)
     assert wavy.residual_rms == pytest.approx(white.residual_rms, rel=0.2)
     assert wavy.curvature.high - wavy.curvature.low > 3 * (
@@ -92,7 +99,8 @@ def test_ideal_profile_has_one_curvature():
 
 def test_interval_stays_in_range():
     fit = fit_stylus_trace(trace(80.0, noise=2e-4), BEF)
-    assert fit.curvature.high <= 80.0
+    assert fit.curvature.high <= 80.0 * 1.005  # of a groove as steep as this one reads
+    assert fit.curvature.low > 70
 
 
 @pytest.mark.parametrize("relief", ["pitch", "flat"])

@@ -1,12 +1,12 @@
-"""The groove's shape from a stylus trace: levelled, centred, both curvatures with their intervals.
+"""The groove's shape from a stylus trace: levelled, centred, its tip undone, with intervals.
 
-The trace is z = offset + tilt·x + h(x - centre, C) + noise with h the profile of the groove,
-repeated with its pitch. Offset, tilt, centre and C come from least squares of that model: C is the
-curvature *through the tips*. `fitted_curvature` is what a profiler reports: the least-squares
-parabola over whole prism widths of the levelled and centred trace (Hsieh, MPF thesis: two).
+C is the curvature *through the tips*, `fitted_curvature` what a profiler's least-squares parabola
+over the groove would give (Hsieh, MPF thesis); both are names of the fill fraction, which alone
+does not depend on the scale of positions and heights.
 
-Intervals are 95 % and take the residuals as they are: their variance is multiplied by the sum of
-their autocorrelation, so waviness and a meniscus that is no parabola widen them.
+A trace whose pitch or wall slope is a few percent off what was stated has two readings: the film is
+so, or the instrument's scale is. The interval of C holds both (Imbens and Manski, "Confidence
+intervals for partially identified parameters", Econometrica 72, 1845, 2004).
 """
 
 from dataclasses import dataclass
@@ -16,15 +16,21 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.stylus.model import PITCH, SLOPE, Fitted, TraceModel, fit_model
+from mpfcad.film.stylus.spread import Spread, spread_of
+from mpfcad.film.stylus.tip import USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
 
-#: Curvatures tried before the fit, and the largest tried for an `ideal` profile over 2 s/w.
-GRID, STEEPEST = 65, 4.0
-#: Heights that must lie on resin for C to be told from them.
-RESIN_POINTS = 5
 #: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
 UNEXPLAINED = 0.5
+#: Departures of pitch and slope, as shares: named from here, and refused from there.
+NAMED, REFUSED = 0.01, 0.08
+#: A tip whose fit leaves this much more variance than the best one did not trace the film.
+WORSE = 1.25
+_TWO_SIDED = 1.959964
+#: Prism widths that are fitted at most.
+MOST_WIDTHS = 40
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,9 @@ class StylusFit:
     curvature
         C through the tips [1/mm]
     fitted_curvature
-        of the least-squares parabola over the whole prism widths [1/mm]
+        of the least-squares parabola over the whole groove [1/mm]
+    fill_fraction
+        resin's share of the groove's area
     residual_rms, fitted_residual_rms
         of the groove's profile, and of the parabola
     tilt
@@ -53,198 +61,221 @@ class StylusFit:
     centre
         position of a groove's centre
     position, height
-        (n,) float64, the prism widths used: x from the nearest groove's centre, -w … w, and the
-        levelled height above the bare groove's valley
+        (n,) float64, the heights used: x from the nearest groove's centre, -w … w of the stated
+        pitch, and the levelled height above the bare groove's valley, the tip still in it
+    surface
+        (n,) float64, the fitted groove itself at the same places
+    tip
+        the one that was undone; None: sharp
+    pitch, depth
+        as the trace shows them
+    grooves
+        how many prism widths were used
+    notes
+        what a reader should know, one sentence each
     """
 
     curvature: Interval
     fitted_curvature: Interval
+    fill_fraction: Interval
     residual_rms: float
     fitted_residual_rms: float
     tilt: float
     centre: float
     position: NDArray[np.float64]
     height: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Model:
-    """The trace as a function of (offset, tilt, centre, C)."""
-
-    groove: Groove
-    profile: Profile
-    x: NDArray[np.float64]
-    z: NDArray[np.float64]
-    share: NDArray[np.float64]
-
-    def local(self, centre: float) -> NDArray[np.float64]:
-        """Return x from the nearest groove's centre, -w … w."""
-        w = self.groove.half_width
-        return (self.x - centre + w) % self.groove.pitch - w
-
-    def levelled(self, parameter: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.z - parameter[0] - parameter[1] * self.x
-
-    def residual(self, parameter: NDArray[np.float64]) -> NDArray[np.float64]:
-        surface = self.groove.height(self.local(parameter[2]), parameter[3], self.profile)
-        return self.levelled(parameter) - surface
-
-    def jacobian(self, parameter: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return d(residual)/d(parameter), (n, 4)."""
-        local, curvature = self.local(parameter[2]), parameter[3]
-        drop = (local**2 - self.groove.half_width**2) / 2
-        if self.profile == "filled":
-            drop = np.where(np.abs(local) > self.groove.contact_position(curvature), 0.0, drop)
-        slope = self.groove.slope(local, curvature, self.profile)
-        return np.stack([-np.ones_like(local), -self.x, slope, -drop], axis=1)
+    surface: NDArray[np.float64]
+    tip: StylusTip | None
+    pitch: float
+    depth: float
+    grooves: int
+    notes: tuple[str, ...]
 
 
 def fit_stylus_trace(
-    trace: StylusTrace, groove: Groove, profile: Profile = "filled", prism_widths: int = 2
+    trace: StylusTrace,
+    groove: Groove,
+    profile: Profile = "filled",
+    prism_widths: int | None = None,
+    *,
+    correct: bool = False,
 ) -> StylusFit:
-    """Fit the middle `prism_widths` prism widths of a trace.
+    """Fit the middle `prism_widths` prism widths of a trace, or all whole ones, up to 40.
+
+    `correct`: pitch and slope that are off are the instrument's scale, and put right.
 
     Raises
     ------
     InputError
         when the trace does not show grooves of this pitch and depth.
     """
-    from scipy.optimize import least_squares
-    from scipy.special import stdtrit
+    widths = prism_widths or min(max(trace.widths(groove.pitch), 1), MOST_WIDTHS)
+    used = trace.middle(widths * groove.pitch)
+    middle = float(np.mean(used.position))
 
-    used = trace.middle(prism_widths * groove.pitch)
-    origin = float(np.mean(used.position))
-    width = prism_widths * groove.pitch
-    share = _shares(used.position, (trace.position[0] + trace.position[-1]) / 2, width)
-    model = _Model(groove, profile, used.position - origin, used.height, share)
-    top = groove.curvature_empty * (1 if profile == "filled" else STEEPEST)
-    start = _start(model, top)
-    found = least_squares(
-        model.residual,
-        start,
-        model.jacobian,
-        bounds=([-np.inf, -np.inf, -np.inf, 0.0], [np.inf, np.inf, np.inf, top]),
-        x_scale=[groove.depth, 1.0, groove.pitch, groove.curvature_empty],
-        xtol=1e-12,
-        ftol=1e-14,
-        gtol=1e-14,
-    ).x
-    residual, jacobian = model.residual(found), model.jacobian(_sensitive(model, found))
-    levelled = model.levelled(found)
-    rms = float(np.sqrt(np.mean(residual**2)))
-    if not rms <= UNEXPLAINED * float(np.std(levelled)):
-        raise InputError(
-            f"{trace.name}: z_um: residual {rms / um:.3g} µm rms of {np.std(levelled) / um:.3g} µm "
-            f"of relief: allowed a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
-            f"depth {groove.depth / um:g} µm"
-        )
-    free = len(residual) - 4
-    correlation = _correlation_sum(residual)
-    noise = np.sqrt(np.sum(residual**2) / free * correlation)
-    quantile = float(stdtrit(max(len(residual) / correlation - 4, 1.0), 0.975))
-    # What each height weighs in each parameter, -(JᵀJ)⁻¹Jᵀ transposed: (n, 4).
-    orthonormal, triangle = np.linalg.qr(jacobian)
-    gain = -np.linalg.solve(triangle, orthonormal.T).T
-    parabola = _parabola(model, found)
-    moved = _parabola_gain(model, found) @ gain.T
-    half = [
-        quantile * noise * float(np.linalg.norm(g)) for g in (gain[:, 3], parabola.weight + moved)
-    ]
+    def fitted(tip: StylusTip | None) -> Fitted:
+        model = TraceModel.of(used.position - middle, used.height, groove, profile, tip, widths)
+        return fit_model(model)
+
+    fits, notes = _fits_of_tips(trace, fitted)
+    best = fits[0]
+    _check_shown(trace, best, groove)
+    spreads = [spread_of(fit) for fit in fits]
+    notes += _scale_notes(trace, best, spreads[0], groove, correct)
+    curvature = _joined([
+        _curvature_interval(fit, spread, groove, correct)
+        for fit, spread in zip(fits, spreads, strict=True)
+    ])  # fmt: skip
+    fill = _joined([_fill_interval(fit, s) for fit, s in zip(fits, spreads, strict=True)])
+    model, value = best.model, best.value
+    tilt, parabola_rms = _levels(best)
+    scale = groove.pitch / float(value[PITCH])
     return StylusFit(
-        _interval(float(found[3]), half[0], top),
-        _interval(parabola.curvature, half[1], np.inf),
-        rms,
-        parabola.residual_rms,
-        float(found[1]),
-        float(found[2]) + origin,
-        model.local(found[2]),
-        levelled,
+        curvature=curvature,
+        fitted_curvature=Interval(
+            *(
+                float(groove.fitted_curvature(c, profile))
+                for c in (curvature.value, curvature.low, curvature.high)
+            )
+        ),
+        fill_fraction=fill,
+        residual_rms=best.rms,
+        fitted_residual_rms=parabola_rms,
+        tilt=tilt,
+        centre=float(value[0]) + middle,
+        position=model.local(value) * scale,
+        height=model.levelled(value),
+        surface=model.surface(value, traced=False),
+        tip=model.tip,
+        pitch=float(value[PITCH]),
+        depth=model.groove_of(value).depth,
+        grooves=widths,
+        notes=tuple(notes),
     )
 
 
-def _shares(x: NDArray[np.float64], middle: float, width: float) -> NDArray[np.float64]:
-    """Return the share, (n,), of the window around `middle` that is nearest to each position."""
-    bounds = [middle - width / 2, *((x[1:] + x[:-1]) / 2), middle + width / 2]
-    return np.diff(bounds) / width
+def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:  # type: ignore[no-untyped-def]
+    """Return the fits of all tips that may have traced the film, the likeliest first, and why."""
+    sharp = fitted(None)
+    why = "tip not stated"
+    if trace.tip is not None:
+        told = fitted(trace.tip) if trace.tip.radius > 0 else sharp
+        if told.rms**2 <= WORSE * max(sharp.rms, sharp.noise) ** 2:
+            return [told], []
+        why = (
+            f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw: "
+            "the tip is taken as unknown"
+        )
+    fits = [sharp]
+    for radius in USUAL_RADII:
+        fits.append(fitted(StylusTip(radius)))
+        # Once a tip is too large, every larger one is.
+        if fits[-1].rms > 2 * min(max(fit.rms, fit.noise) for fit in fits):
+            break
+    least = min(max(fit.rms, fit.noise) for fit in fits)
+    fits = [fit for fit in fits if fit.rms**2 <= WORSE * least**2]
+    # Where the sharp one fits as well as any, it stands for them.
+    fits.sort(key=lambda fit: fit.rms if fit is not sharp else 0.95 * fit.rms)
+    radii = sorted((fit.model.tip.radius / um if fit.model.tip else 0.0) for fit in fits)
+    names = ", ".join(f"{radius:g}" for radius in radii)
+    return fits, [f"{why}: the interval holds those of all usual tips that fit, {names} µm"]
 
 
-def _interval(value: float, half: float, top: float) -> Interval:
-    return Interval(value, float(max(value - half, 0.0)), float(min(value + half, top)))
+def _check_shown(trace: StylusTrace, best: Fitted, groove: Groove) -> None:
+    """Refuse a trace that does not show such grooves."""
+    relief = float(np.std(best.model.levelled(best.value)))
+    if not best.rms <= UNEXPLAINED * relief:
+        raise InputError(
+            f"{trace.name}: z_um: residual {best.rms / um:.3g} µm rms of {relief / um:.3g} µm of "
+            f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
+            f"depth {groove.depth / um:g} µm"
+        )
 
 
-def _start(model: _Model, top: float) -> NDArray[np.float64]:
-    """Return (offset, tilt, centre, C): the centre from the first harmonic, C from a grid."""
-    x, pitch = model.x, model.groove.pitch
-    angle = 2 * np.pi * x / pitch
-    basis = np.stack([np.ones_like(x), x, np.cos(angle), np.sin(angle)], axis=1)
-    wave = np.linalg.lstsq(basis, model.z, rcond=None)[0]
-    # Highest at the tips, half a pitch from the centre.
-    centre = (np.arctan2(wave[3], wave[2]) / (2 * np.pi) + 0.5) * pitch
-    line = basis[:, :2]
-    best, start = np.inf, np.zeros(4)
-    for curvature in np.linspace(0.0, top, GRID):
-        bare = model.z - model.groove.height(model.local(centre), curvature, model.profile)
-        level = np.linalg.lstsq(line, bare, rcond=None)[0]
-        error = float(np.sum((bare - line @ level) ** 2))
-        if error < best:
-            best, start = error, np.array([*level, centre, curvature])
-    # Strictly between the bounds, as the solver asks.
-    start[3] = np.clip(start[3], 1e-6 * top, (1 - 1e-6) * top)
-    return start
+def _scale_notes(
+    trace: StylusTrace, fit: Fitted, spread: Spread, groove: Groove, correct: bool
+) -> list[str]:
+    """Return what pitch and walls' slope say of the scale; refuse what no film is off by."""
+    found = (
+        ("pitch", fit.value[PITCH] / groove.pitch - 1, spread.log_pitch,
+         f"positions read {{:+.1%}} against the pitch of {groove.pitch / um:g} µm"),
+        ("depth", fit.value[SLOPE] / groove.wall_slope - 1, spread.log_slope,
+         f"the walls are {{:+.1%}} off the slope of depth {groove.depth / um:g} µm"),
+    )  # fmt: skip
+    notes = []
+    for name, off, error, text in found:
+        if abs(off) <= max(NAMED, 1.5 * error):
+            continue
+        words = text.format(off)
+        if abs(off) > REFUSED and not correct:
+            raise InputError(
+                f"{trace.name}: {words}: expected within {REFUSED:.0%}: --{name}-um of the film, "
+                "or --correct where the instrument's scale is off"
+            )
+        notes.append(
+            f"{words}: put right as the instrument's scale" if correct else
+            f"{words}: the film's {name} or the instrument's scale: the interval holds both "
+            "(--correct takes it as the scale)"
+        )  # fmt: skip
+    return notes
 
 
-def _sensitive(model: _Model, parameter: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the parameters with C lowered until `RESIN_POINTS` heights lie on resin.
+def _curvature_interval(fit: Fitted, spread: Spread, groove: Groove, correct: bool) -> Interval:
+    """Return C as measured, with an interval that holds it as if the scale were off, too."""
+    mean = max(float(np.mean(fit.fills)), 1e-9)
+    stated = mean * groove.curvature_covered
+    measured = stated if correct else fit.curvature
+    ends = sorted((measured, stated))
+    half = stated * spread.fill / mean if correct else measured * spread.log_curvature
+    reach = half * _critical(ends[1] - ends[0], half / _TWO_SIDED)
+    low = min(ends[0] - reach, ends[0] * (1 - spread.unseen[0] / mean))
+    high = max(ends[1] + reach, ends[1] * (1 + spread.unseen[1] / mean))
+    return Interval(measured, max(low, 0.0), min(high, fit.model.top * ends[1] / mean))
 
-    An (almost) empty groove shows no resin, so that no height depends on C: its interval is what
-    those few heights next to the valley would tell.
+
+def _critical(gap: float, error: float) -> float:
+    """Return by what a half-width shrinks where the truth lies between two ends so far apart.
+
+    From 1 where they meet to the one-sided quantile over the two-sided one: the root c of
+    Φ(c + gap/error) - Φ(-c) = 0.95, over 1.96.
     """
-    if model.profile == "ideal":
-        return parameter
-    reach = np.sort(np.abs(model.local(parameter[2])))[RESIN_POINTS - 1]
-    groove = model.groove
-    steepest = 2 * groove.wall_slope / (groove.half_width + reach)
-    return np.array([*parameter[:3], min(parameter[3], steepest)])
+    from scipy.optimize import brentq
+    from scipy.special import ndtr
 
-
-def _correlation_sum(residual: NDArray[np.float64]) -> float:
-    """Return 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0: by how much correlation widens a variance."""
-    n = len(residual)
-    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * n)) ** 2
-    covariance = np.fft.irfft(spectrum)[:n]
-    if not covariance[0] > 0:
+    if error <= 0 or gap <= 0:
         return 1.0
-    rho = covariance[1:] / covariance[0]
-    end = int(np.argmax(rho <= 0)) if np.any(rho <= 0) else len(rho)
-    return float(min(1 + 2 * np.sum(rho[:end]), n / 5))
+    wide = min(gap / error, 50.0)
+    root = brentq(lambda c: ndtr(c + wide) - ndtr(-c) - 0.95, 1.0, 3.0)
+    return float(root) / _TWO_SIDED
 
 
-@dataclass(frozen=True, eq=False)
-class _Parabola:
-    """A least-squares parabola: its curvature, what each height weighs in it, what it leaves."""
+def _fill_interval(fit: Fitted, spread: Spread) -> Interval:
+    """Return the mean fill fraction: a function of the grooves' u alone."""
+    unit = Groove(2.0, 1.0)  # slope and half width 1: C is u
 
-    curvature: float
-    weight: NDArray[np.float64]
-    residual_rms: float
+    def mean(shift: float) -> float:
+        moved = np.clip(fit.fills + shift, 0.0, fit.model.top)
+        return float(np.mean(unit.fill_fraction(moved)))
 
-
-def _parabola(model: _Model, parameter: NDArray[np.float64]) -> _Parabola:
-    """Return the parabola through all levelled heights, each weighted by its share of x."""
-    share = model.share
-    half_square = model.local(parameter[2]) ** 2 / 2
-    bend = half_square - np.sum(share * half_square)
-    weight = share * bend / np.sum(share * bend**2)
-    height = model.levelled(parameter)
-    curvature = float(np.sum(weight * height))
-    left = height - np.sum(share * height) - curvature * bend
-    return _Parabola(curvature, weight, float(np.sqrt(np.sum(share * left**2))))
+    down, up = (max(spread.fill, unseen) for unseen in spread.unseen)
+    return Interval(mean(0.0), mean(up), mean(-down))
 
 
-def _parabola_gain(model: _Model, parameter: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return d(fitted curvature)/d(parameter), (4,), by central differences."""
-    gain = np.zeros(4)
-    for i, step in enumerate((1e-6, 1e-6, 1e-5)):
-        move = np.eye(4)[i] * step
-        ahead = _parabola(model, parameter + move).curvature
-        gain[i] = (ahead - _parabola(model, parameter - move).curvature) / (2 * step)
-    return gain
+def _joined(intervals: list[Interval]) -> Interval:
+    """Return the first's value with an interval that holds all of them."""
+    return Interval(
+        intervals[0].value, min(i.low for i in intervals), max(i.high for i in intervals)
+    )
+
+
+def _levels(fit: Fitted) -> tuple[float, float]:
+    """Return the base line's slope, and what the least-squares parabola leaves of the surface."""
+    model, value = fit.model, fit.value
+    left = model.z - model.surface(value)
+    line = model.base @ (model.base.T @ left)
+    tilt = float(np.polyfit(model.x, line, 1)[0])
+    surface = model.levelled(value) - model.surface(value) + model.surface(value, traced=False)
+    square = model.local(value) ** 2
+    design = np.column_stack([np.ones_like(square), square])
+    off = surface - design @ np.linalg.lstsq(design, surface, rcond=None)[0]
+    return tilt, float(np.sqrt(np.mean(off**2)))

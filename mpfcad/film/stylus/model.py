@@ -1,0 +1,259 @@
+"""A stylus trace as a function of its grooves, and its least-squares fit.
+
+The trace is base + t(x - centre), t what the tip traces of grooves (`DilatedGroove`) in a row. The
+base is offset, tilt and, over four prism widths or more, cosines of half-waves down to about a
+prism width: waviness. It is linear and projected out, so that what is sought is: centre, pitch,
+slope of the walls, rounding of the prism tips, and u = C·w/slope, over four prism widths or more of
+each groove its own. Pitch, slope and rounding have priors, for a covered groove shows no wall and
+few points no rounding.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.stylus.dilated import DilatedGroove
+from mpfcad.film.stylus.tip import StylusTip
+from mpfcad.units import nm, um
+
+CENTRE, PITCH, SLOPE, ROUNDING, FILL = range(5)
+#: Prior standard deviations: of pitch and of slope, as shares; of the rounding [mm].
+PITCH_OFF, SLOPE_OFF, ROUND = 0.02, 0.03, 1.0 * um
+#: Prism widths from which each groove has its own fill.
+OWN_FILL = 4
+#: Largest departures of pitch and slope, as shares, and largest rounding [mm].
+MOST_OFF, MOST_ROUND = 0.12, 6.0 * um
+#: The least noise assumed: that of heights printed to a nanometre or two.
+LEAST_NOISE = 0.02 * nm
+#: Curvatures tried before the fit, and the largest u of a profile that may dip below the walls.
+_GRID, _STEEPEST = 33, 4.0
+#: A height this many robust standard deviations off is a spike, unless it is less than 0.1 µm.
+_SPIKE, _SPIKE_LEAST, _SPIKE_SHARE = 6.0, 0.1 * um, 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class TraceModel:
+    """A trace and the groove that it should show.
+
+    Attributes
+    ----------
+    x, z
+        (n,) float64 [mm], positions from the middle, heights
+    base
+        (n, k) float64, orthonormal columns of offset, tilt and waviness
+    grooves
+        how many have a u of their own
+    """
+
+    x: NDArray[np.float64]
+    z: NDArray[np.float64]
+    groove: Groove
+    profile: Profile
+    tip: StylusTip | None
+    base: NDArray[np.float64]
+    grooves: int
+
+    @classmethod
+    def of(
+        cls,
+        x: NDArray[np.float64],
+        z: NDArray[np.float64],
+        groove: Groove,
+        profile: Profile,
+        tip: StylusTip | None,
+        widths: int,
+    ) -> "TraceModel":
+        """Return the model of heights at positions from the middle."""
+        span = np.ptp(x)
+        columns = [np.ones_like(x), x / span]
+        columns += [np.cos(np.pi * j * (x / span + 0.5)) for j in range(2, max(widths - 1, 2))]
+        base = np.linalg.qr(np.column_stack(columns))[0]
+        return cls(x, z, groove, profile, tip, base, widths + 1 if widths >= OWN_FILL else 1)
+
+    def at(self, kept: NDArray[np.bool_]) -> "TraceModel":
+        """Return the model of some of the heights."""
+        base = np.linalg.qr(self.base[kept])[0]
+        return replace(self, x=self.x[kept], z=self.z[kept], base=base)
+
+    @property
+    def top(self) -> float:
+        """The largest u: an empty groove, or as steep as is tried."""
+        return 2.0 if self.profile == "filled" else _STEEPEST
+
+    def local(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return x from the nearest groove's centre, (n,) [mm]."""
+        pitch = value[PITCH]
+        return (self.x - value[CENTRE] + pitch / 2) % pitch - pitch / 2
+
+    def number(self, value: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the groove of each height, (n,), from 0."""
+        number = np.floor((self.x - value[CENTRE]) / value[PITCH] + 0.5).astype(np.int64)
+        return np.clip(number - number.min(), 0, self.grooves - 1)
+
+    def groove_of(self, value: NDArray[np.float64]) -> Groove:
+        """Return the groove of fitted pitch and slope."""
+        return Groove(float(value[PITCH]), float(value[SLOPE] * value[PITCH] / 2))
+
+    def surface(self, value: NDArray[np.float64], *, traced: bool = True) -> NDArray[np.float64]:
+        """Return the height above the bare groove's valley, (n,): traced, or of the film itself."""
+        groove = self.groove_of(value)
+        tip = self.tip if traced else None
+        made = DilatedGroove(groove, self.profile, tip, float(value[ROUNDING]))
+        curvature = value[FILL:] * value[SLOPE] / (value[PITCH] / 2)
+        each = curvature if self.grooves == 1 else curvature[self.number(value)]
+        return made.height(self.local(value), each)
+
+    def residual(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what base and groove leave of the heights, (n,) [mm]."""
+        left = self.z - self.surface(value)
+        return left - self.base @ (self.base.T @ left)
+
+    def levelled(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the heights without the base, (n,) [mm]."""
+        left = self.z - self.surface(value)
+        return self.z - self.base @ (self.base.T @ left)
+
+    def jacobian(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return d(surface)/d(value), (n, 4 + grooves), by differences inside the bounds."""
+        low, high = self.bounds()
+        columns = []
+        for part, step in (
+            (slice(CENTRE, PITCH), 2 * nm), (slice(PITCH, SLOPE), 0.01 * nm),
+            (slice(SLOPE, ROUNDING), 1e-6), (slice(ROUNDING, FILL), 1 * nm),
+            (slice(FILL, None), 1e-5),
+        ):  # fmt: skip
+            ahead, back = value.copy(), value.copy()
+            ahead[part] = np.minimum(value[part] + step, high[part])
+            back[part] = np.maximum(value[part] - step, low[part])
+            gap = ahead[part] - back[part]
+            change = self.surface(ahead) - self.surface(back)
+            columns.append(change / (gap[0] if self.grooves == 1 or part.start < FILL
+                                     else gap[self.number(value)]))  # fmt: skip
+        if self.grooves == 1:
+            return np.column_stack(columns)
+        own = np.zeros((len(self.x), self.grooves))
+        own[np.arange(len(self.x)), self.number(value)] = columns.pop()
+        return np.column_stack([*columns, own])
+
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the least and the largest value of each."""
+        pitch, slope = self.groove.pitch, self.groove.wall_slope
+        low = [-np.inf, pitch * (1 - MOST_OFF), slope * (1 - MOST_OFF), 0.0]
+        high = [np.inf, pitch * (1 + MOST_OFF), slope * (1 + MOST_OFF), MOST_ROUND]
+        return np.array(low + [0.0] * self.grooves), np.array(high + [self.top] * self.grooves)
+
+    def prior(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how many prior standard deviations pitch, slope and rounding are off, (3,)."""
+        return np.array([
+            (value[PITCH] / self.groove.pitch - 1) / PITCH_OFF,
+            (value[SLOPE] / self.groove.wall_slope - 1) / SLOPE_OFF,
+            value[ROUNDING] / ROUND,
+        ])  # fmt: skip
+
+    def prior_jacobian(self) -> NDArray[np.float64]:
+        """Return d(prior)/d(value), (3, 4 + grooves)."""
+        rows = np.zeros((3, FILL + self.grooves))
+        rows[0, PITCH] = 1 / (PITCH_OFF * self.groove.pitch)
+        rows[1, SLOPE] = 1 / (SLOPE_OFF * self.groove.wall_slope)
+        rows[2, ROUNDING] = 1 / ROUND
+        return rows
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """The values that fit best, the heights they were fitted to, and the noise [mm] assumed."""
+
+    model: TraceModel
+    value: NDArray[np.float64]
+    noise: float
+
+    @property
+    def fills(self) -> NDArray[np.float64]:
+        """The u of each groove that is seen whole enough to tell it, (k,)."""
+        return self.value[FILL:][self.whole]
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """Which grooves have at least half of the heights of a typical one, (grooves,)."""
+        count = np.bincount(self.model.number(self.value), minlength=self.model.grooves)
+        kept: NDArray[np.bool_] = count >= 0.5 * np.median(count)
+        return kept
+
+    @property
+    def curvature(self) -> float:
+        """Mean C [1/mm] through the tips."""
+        return float(np.mean(self.fills) * self.value[SLOPE] / (self.value[PITCH] / 2))
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual [mm]."""
+        return float(np.sqrt(np.mean(self.model.residual(self.value) ** 2)))
+
+
+def fit_model(whole: TraceModel) -> Fitted:
+    """Return the least-squares fit of a model, spikes left out."""
+    model, value = whole, _start(whole)
+    noise = 50 * nm
+    for loss in ("soft_l1", "linear", "linear"):
+        value = _solve(model, value, noise, loss)
+        residual = whole.residual(value)
+        spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
+        off = np.abs(residual) > max(_SPIKE * spread, _SPIKE_LEAST)
+        off = np.convolve(off, np.ones(3), "same") > 0
+        model = whole.at(~off) if 0 < np.mean(off) < _SPIKE_SHARE else whole
+        noise = max(float(np.std(model.residual(value))), LEAST_NOISE)
+    return Fitted(model, value, noise)
+
+
+def _solve(
+    model: TraceModel, value: NDArray[np.float64], noise: float, loss: str
+) -> NDArray[np.float64]:
+    from scipy.optimize import least_squares
+
+    low, high = model.bounds()
+    pitch = model.groove.pitch
+    scale = np.array([pitch, pitch, 1.0, ROUND] + [1.0] * model.grooves)
+    inner = np.clip(value, low + 1e-9 * scale, high - 1e-9 * scale)
+
+    def residual(at: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([model.residual(at) / noise, model.prior(at)])
+
+    def jacobian(at: NDArray[np.float64]) -> NDArray[np.float64]:
+        slope = model.jacobian(at)
+        slope = slope - model.base @ (model.base.T @ slope)
+        return np.concatenate([-slope / noise, model.prior_jacobian()])
+
+    found: NDArray[np.float64] = least_squares(
+        residual, inner, jacobian, bounds=(low, high), method="dogbox", x_scale=scale, loss=loss,
+        f_scale=3.0, xtol=1e-11, ftol=1e-11, gtol=1e-11, max_nfev=80,
+    ).x  # fmt: skip
+    return found
+
+
+def _start(model: TraceModel) -> NDArray[np.float64]:
+    """Return values near the best: pitch and centre from the first harmonic, u from a grid."""
+    groove = model.groove
+    best = (np.inf, groove.pitch, 0.0)
+    turns = np.ptp(model.x) / groove.pitch
+    for share in np.linspace(-0.06, 0.06, 2 * int(4 * 0.06 * turns) + 3):
+        pitch = groove.pitch * (1 + share)
+        angle = 2 * np.pi * model.x / pitch
+        waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        flat = model.z - model.base @ (model.base.T @ model.z)
+        waves_flat = waves - model.base @ (model.base.T @ waves)
+        wave = np.linalg.lstsq(waves_flat, flat, rcond=None)[0]
+        error = float(np.sum((flat - waves_flat @ wave) ** 2))
+        # Highest at the tips, half a pitch from the centre.
+        centre = (np.arctan2(wave[1], wave[0]) / (2 * np.pi) + 0.5) * pitch
+        if error < best[0] * (1 - 1e-3):
+            best = (error, pitch, float(centre))
+    _, pitch, centre = best
+    value = np.array([centre, pitch, groove.wall_slope, 0.0] + [0.0] * model.grooves)
+    errors = []
+    for u in np.linspace(0.0, model.top, _GRID):
+        value[FILL:] = u
+        errors.append(float(np.sum(np.abs(model.residual(value)))))
+    value[FILL:] = np.linspace(0.0, model.top, _GRID)[int(np.argmin(errors))]
+    return value
