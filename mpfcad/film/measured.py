@@ -53,7 +53,9 @@ def _mean(
     row = np.arange(len(place))
     basis[row, left] += 1 - share
     basis[row, (left + 1) % PIECES] += share
-    found: NDArray[np.float64] = np.linalg.lstsq(basis, height, rcond=None)[0]
+    found: NDArray[np.float64] = np.asarray(
+        np.linalg.lstsq(basis, height, rcond=None)[0], np.float64
+    )
     return found
 
 

@@ -111,8 +111,8 @@ class DilatedGroove:
         radius = (self.tip.radius if self.tip else 0.0) + self.rounding
         if radius == 0:
             return surface
-        slope = np.maximum(np.asarray(slope, float), 0.0)
-        size = np.hypot(1.0, slope)
+        steep: NDArray[np.float64] = np.maximum(np.asarray(slope, float), 0.0)
+        size = np.hypot(1.0, steep)
         out = np.abs(self.groove.half_width - x)
         arc = (
             self.groove.depth
@@ -120,7 +120,7 @@ class DilatedGroove:
             + np.sqrt(np.maximum(radius**2 - out**2, 0.0))
             - (radius - self.rounding)
         )
-        return np.where(out < radius * slope / size, arc, surface)
+        return np.where(out < radius * steep / size, arc, surface)
 
     def _over_tip(self, out: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the trace of a prism tip alone, at a distance [mm] from its axis."""

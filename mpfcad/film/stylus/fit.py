@@ -28,6 +28,8 @@ UNEXPLAINED = 0.5
 NAMED, REFUSED = 0.01, 0.08
 #: A tip whose fit leaves this much more variance than the best one did not trace the film.
 WORSE = 1.25
+#: The radius that a stated tip is compared with, as a share of its own.
+SHARPER = 0.75
 _TWO_SIDED = 1.959964
 #: Prism widths that are fitted at most.
 MOST_WIDTHS = 40
@@ -159,8 +161,13 @@ def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:
     sharp = fitted(None)
     why = "tip not stated"
     if trace.tip is not None:
-        told = fitted(trace.tip) if trace.tip.radius > 0 else sharp
+        if trace.tip.radius == 0:
+            return [sharp], []
+        told = fitted(trace.tip)
         if told.rms**2 <= WORSE * max(sharp.rms, sharp.noise) ** 2:
+            return [told], []
+        # A radius is known to a quarter: the trace must be sharper than that, too.
+        if fitted(StylusTip(SHARPER * trace.tip.radius, trace.tip.angle)).rms > 0.98 * told.rms:
             return [told], []
         why = (
             f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw: "

@@ -29,6 +29,8 @@ MOST_OFF, MOST_ROUND = 0.12, 6.0 * um
 LEAST_NOISE = 0.02 * nm
 #: Curvatures tried before the fit, and the largest u of a profile that may dip below the walls.
 _GRID, _STEEPEST = 33, 4.0
+#: Steps of a fit at most.
+_STEPS = 40
 #: A height this many robust standard deviations off is a spike, unless it is less than 0.1 µm.
 _SPIKE, _SPIKE_LEAST, _SPIKE_SHARE = 6.0, 0.1 * um, 0.2
 
@@ -196,8 +198,8 @@ def fit_model(whole: TraceModel) -> Fitted:
     """Return the least-squares fit of a model, spikes left out."""
     model, value = whole, _start(whole)
     noise = 50 * nm
-    for loss in ("soft_l1", "linear", "linear"):
-        value = _solve(model, value, noise, loss)
+    for robust in (True, False, False):
+        value = _solve(model, value, noise, robust=robust)
         residual = whole.residual(value)
         spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
         off = np.abs(residual) > max(_SPIKE * spread, _SPIKE_LEAST)
@@ -208,28 +210,61 @@ def fit_model(whole: TraceModel) -> Fitted:
 
 
 def _solve(
-    model: TraceModel, value: NDArray[np.float64], noise: float, loss: str
+    model: TraceModel, value: NDArray[np.float64], noise: float, *, robust: bool
 ) -> NDArray[np.float64]:
-    from scipy.optimize import least_squares
+    """Return the least-squares values within their bounds.
 
+    Levenberg and Marquardt's method over the values that are not held at a bound; steps are clipped
+    to the bounds. `robust`: heights count as √(1 + r²) from three deviations on.
+    """
     low, high = model.bounds()
-    pitch = model.groove.pitch
-    scale = np.array([pitch, pitch, 1.0, ROUND] + [1.0] * model.grooves)
-    inner = np.clip(value, low + 1e-9 * scale, high - 1e-9 * scale)
-
-    def residual(at: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.concatenate([model.residual(at) / noise, model.prior(at)])
-
-    def jacobian(at: NDArray[np.float64]) -> NDArray[np.float64]:
-        slope = model.jacobian(at)
+    value, damping = np.clip(value, low, high), 1e-3
+    residual, cost = _weighted(model, value, noise, robust)
+    for _ in range(_STEPS):
+        slope = model.jacobian(value)
         slope = slope - model.base @ (model.base.T @ slope)
-        return np.concatenate([-slope / noise, model.prior_jacobian()])
+        weight = _weight(model.residual(value) / noise, robust)
+        rows = np.concatenate([slope * (-weight / noise)[:, None], model.prior_jacobian()])
+        gradient, normal = rows.T @ residual, rows.T @ rows
+        held = ((value <= low) & (gradient > 0)) | ((value >= high) & (gradient < 0))
+        free = np.flatnonzero(~held)
+        inner = normal[np.ix_(free, free)]
+        size = np.maximum(np.diag(inner), 1e-12 * np.diag(normal).max())
+        moved = False
+        while damping < 1e8 and not moved:
+            step = np.zeros_like(value)
+            step[free] = -np.linalg.solve(inner + damping * np.diag(size), gradient[free])
+            tried = np.clip(value + step, low, high)
+            found, lower = _weighted(model, tried, noise, robust)
+            moved = lower < cost
+            damping *= 0.2 if moved else 5.0
+        if not moved:
+            break
+        done = cost - lower < 1e-9 * lower
+        value, residual, cost = tried, found, lower
+        if done:
+            break
+        damping = max(damping, 1e-9)
+    return value
 
-    found: NDArray[np.float64] = least_squares(
-        residual, inner, jacobian, bounds=(low, high), method="dogbox", x_scale=scale, loss=loss,
-        f_scale=3.0, xtol=1e-11, ftol=1e-11, gtol=1e-11, max_nfev=80,
-    ).x  # fmt: skip
-    return found
+
+def _weight(residual: NDArray[np.float64], robust: bool) -> NDArray[np.float64]:
+    """Return the square roots of the weights that the robust sum gives residuals, (n,)."""
+    if not robust:
+        return np.ones_like(residual)
+    weight: NDArray[np.float64] = (1 + (residual / 3.0) ** 2) ** -0.25
+    return weight
+
+
+def _weighted(
+    model: TraceModel, value: NDArray[np.float64], noise: float, robust: bool
+) -> tuple[NDArray[np.float64], float]:
+    """Return the weighted residuals and priors, and the sum that is made least."""
+    residual = model.residual(value) / noise
+    prior = model.prior(value)
+    cost = np.sum(18 * (np.sqrt(1 + (residual / 3) ** 2) - 1)) if robust else np.sum(residual**2)
+    weighted = np.concatenate([residual * _weight(residual, robust), prior])
+    return weighted, float(cost + np.sum(prior**2))
 
 
 def _start(model: TraceModel) -> NDArray[np.float64]:

@@ -72,7 +72,8 @@ def spread_of(fit: Fitted) -> Spread:
         half[1] = max(half[1], scatter / max(float(np.mean(fit.fills)), 1e-6))
     half = np.sqrt(half**2 + _Z**2 * by_prior)
     unseen = _unseen(fit, design[:, [i for i, name in enumerate(free) if name < FILL]], noise)
-    return Spread(*(float(h) for h in half), unseen)
+    fill, log_curvature, log_pitch, log_slope = (float(h) for h in half)
+    return Spread(fill, log_curvature, log_pitch, log_slope, unseen)
 
 
 def _design(fit: Fitted) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
