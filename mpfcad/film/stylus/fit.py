@@ -164,10 +164,13 @@ def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:
         if trace.tip.radius == 0:
             return [sharp], []
         told = fitted(trace.tip)
-        if told.rms**2 <= WORSE * max(sharp.rms, sharp.noise) ** 2:
+        if told.misfit**2 <= WORSE * sharp.misfit**2:
             return [told], []
         # A radius is known to a quarter: the trace must be sharper than that, too.
-        if fitted(StylusTip(SHARPER * trace.tip.radius, trace.tip.angle)).rms > 0.98 * told.rms:
+        if (
+            fitted(StylusTip(SHARPER * trace.tip.radius, trace.tip.angle)).misfit
+            > 0.98 * told.misfit
+        ):
             return [told], []
         why = (
             f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw: "
@@ -177,12 +180,12 @@ def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:
     for radius in USUAL_RADII:
         fits.append(fitted(StylusTip(radius)))
         # Once a tip is too large, every larger one is.
-        if fits[-1].rms > 2 * min(max(fit.rms, fit.noise) for fit in fits):
+        if fits[-1].misfit > 2 * min(fit.misfit for fit in fits):
             break
-    least = min(max(fit.rms, fit.noise) for fit in fits)
-    fits = [fit for fit in fits if fit.rms**2 <= WORSE * least**2]
+    least = min(fit.misfit for fit in fits)
+    fits = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
     # Where the sharp one fits as well as any, it stands for them.
-    fits.sort(key=lambda fit: fit.rms if fit is not sharp else 0.95 * fit.rms)
+    fits.sort(key=lambda fit: fit.misfit if fit is not sharp else 0.95 * fit.misfit)
     radii = sorted((fit.model.tip.radius / um if fit.model.tip else 0.0) for fit in fits)
     names = ", ".join(f"{radius:g}" for radius in radii)
     return fits, [f"{why}: the interval holds those of all usual tips that fit, {names} µm"]

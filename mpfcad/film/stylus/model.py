@@ -165,11 +165,16 @@ class TraceModel:
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """The values that fit best, the heights they were fitted to, and the noise [mm] assumed."""
+    """The values that fit best, the heights they were fitted to, and the noise [mm] assumed.
+
+    `misfit` is the mean absolute residual [mm] of all heights, those left out as spikes too: a tip
+    that is too large leaves its misfit at the prism tips, where it looks like spikes.
+    """
 
     model: TraceModel
     value: NDArray[np.float64]
     noise: float
+    misfit: float
 
     @property
     def fills(self) -> NDArray[np.float64]:
@@ -206,7 +211,8 @@ def fit_model(whole: TraceModel) -> Fitted:
         off = np.convolve(off, np.ones(3), "same") > 0
         model = whole.at(~off) if 0 < np.mean(off) < _SPIKE_SHARE else whole
         noise = max(float(np.std(model.residual(value))), LEAST_NOISE)
-    return Fitted(model, value, noise)
+    misfit = float(np.mean(np.abs(whole.residual(value))))
+    return Fitted(model, value, noise, max(misfit, LEAST_NOISE))
 
 
 def _solve(
