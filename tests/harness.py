@@ -266,9 +266,10 @@ def pass_layers(scene, enter_below, seed, out):
                 weight *= kept
                 way = 1 if passed == up else -1
             else:
-                way, x, y, dx, dy, dz = placed_film_passage(
+                way, x, y, dx, dy, dz, kept = placed_film_passage(
                     scene.tiles, scene.phase, p, up, x, y, dx, dy, dz, rng
                 )
+                weight *= kept
             if way == 0:
                 break
             up = way > 0
@@ -287,7 +288,7 @@ def pass_film(tiles, index, up, start, seed, out):
     for i in range(len(start)):
         start_path(rng, uint64(seed), uint64(8), uint64(i))
         x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
-        way, x, y, dx, dy, dz = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, rng)
+        way, x, y, dx, dy, dz, _ = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, rng)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
 
 

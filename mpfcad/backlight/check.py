@@ -1,5 +1,6 @@
 """What the layers and numbers of a stack must be together."""
 
+from mpfcad.backlight.quantity import FILM_LAYERS, FILM_RANGES
 from mpfcad.backlight.source import LedSpec
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
@@ -22,7 +23,24 @@ def check_layers(where: str, stack: Stack) -> None:
             f"{where}: layers: {len(slots)} films for the job's film: must be exactly one; more "
             "films have a kind and a file"
         )
+    _check_film_layers(where, stack)
     if "bonded_film" in layers:
         at = layers.index("bonded_film")
         if at == 0 or stack.kind_of(layers[at - 1]) != "plate":
             raise InputError(f"{where}: layers: bonded_film: must lie directly on a plate")
+
+
+def _check_film_layers(where: str, stack: Stack) -> None:
+    """Raise unless each layer of the film has index and thickness, and the film its plain place."""
+    given = [key for key in FILM_RANGES if key in stack.quantity]
+    for layer in FILM_LAYERS:
+        stated = [key for key in given if key.startswith(layer)]
+        for need in ("index", "thickness_um"):
+            if stated and f"{layer}_{need}" not in stated:
+                raise InputError(
+                    f"{where}: value.{layer}_{need}: missing: expected with {stated[0]}"
+                )
+    if given and not {"film", "bonded_film"} & set(stack.layers):
+        raise InputError(
+            f"{where}: value.{given[0]}: no layer 'film' or 'bonded_film': expected one of them"
+        )

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from mpfcad.backlight.film_layer import lower_film
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
@@ -43,8 +44,7 @@ def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> lis
             is_bonded = layer == "bonded_film"
             below = under.index if is_bonded and isinstance(under, Slab) else 1.0
             assert mesh is not None  # a stack with a slot has one
-            resin = _resin(stack, mesh)
-            elements.append(Film(mesh, stack["film_index"], below, offset, resin=resin))
+            elements += lower_film(stack, mesh, _resin(stack, mesh), below, offset)
     return elements
 
 
@@ -118,6 +118,7 @@ def _own_layer(stack: Stack, name: str, mesh: FilmMesh | None, offset: float) ->
     return Film(
         mesh, value("index"), 1.0, offset, None, words,
         rotation=value("rotation_deg") * deg, flipped=layer.flipped, resin=resin,
+        absorption=value("absorption_per_mm"),
     )  # fmt: skip
 
 

@@ -50,6 +50,14 @@ PARTICLE_RANGES = {
     "resin_asymmetry": (-0.99, 0.99),
     "light_wavelength_nm": (200.0, 2000.0),
 }
+#: Layers of a film under its prisms, from below, and what each states; all may be left out.
+FILM_LAYERS = ("film_base", "film_primer")
+FILM_RANGES = {
+    "film_absorption_per_mm": (0.0, 100.0),
+    **{f"{layer}_index": (1.0, 4.0) for layer in FILM_LAYERS},
+    **{f"{layer}_thickness_um": (0.01, 10_000.0) for layer in FILM_LAYERS},
+    **{f"{layer}_absorption_per_mm": (0.0, 100.0) for layer in FILM_LAYERS},
+}
 
 
 @dataclass(frozen=True)
@@ -68,7 +76,8 @@ def ranges_with(spec: SourceSpec) -> dict[str, Range]:
 
 def find_range(key: str, own: dict[str, Layer], spec: SourceSpec) -> Range | None:
     """Return (lowest, highest) of a value by its name; None for no value of this stack."""
-    for ranges in (ranges_with(spec), spec.panel_ranges, PANEL_RANGES, PARTICLE_RANGES):
+    optional = (PANEL_RANGES, PARTICLE_RANGES, FILM_RANGES)
+    for ranges in (ranges_with(spec), spec.panel_ranges, *optional):
         if key in ranges:
             return ranges[key]
     of_one = spec.find_range(key)
@@ -93,6 +102,7 @@ def read_quantity(
     limits = find_range(key, own, spec)
     if limits is None:
         known = [*ranges_with(spec), *spec.panel_ranges, *PANEL_RANGES, *PARTICLE_RANGES]
+        known += FILM_RANGES
         known += spec.patterns()
         known += [f"{name}.{v}" for name, layer in own.items() for v in OWN_VALUES[layer.kind]]
         raise InputError(f"{where}.{key}: unknown value; allowed: {', '.join(known)}")

@@ -8,6 +8,7 @@ from typing import Literal
 from mpfcad.backlight.bsdf_layer import BsdfLayer
 from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import (
+    FILM_RANGES,
     PANEL_RANGES,
     PARTICLE_RANGES,
     Quantity,
@@ -157,7 +158,7 @@ class Stack:
         names = [*ranges_with(self.spec)]
         names += [*self.spec.panel_ranges, *PANEL_RANGES] if panel else []
         names += self.spec.numbered(self.quantity)
-        names += [k for k in PARTICLE_RANGES if k in self.quantity]
+        names += [k for k in (*PARTICLE_RANGES, *FILM_RANGES) if k in self.quantity]
         names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
         numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}

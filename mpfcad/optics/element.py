@@ -77,9 +77,11 @@ class Slab:
     asymmetry
         g, mean cosine of one scattering (Henyey and Greenstein, 1941)
     bonded
-        whether the film above is bonded on it, without air between
+        whether the film or slab above is bonded on it, without air between
     phase
         (STEPS+1,) float64, cosines at equal steps of probability in place of `asymmetry`
+    index_below
+        that of the medium under it: 1, or the slab's on which it is bonded
     """
 
     index: float
@@ -90,9 +92,11 @@ class Slab:
     bonded: bool = False
     name: str = "plate"
     phase: NDArray[np.float64] | None = None
+    index_below: float = 1.0
 
     def __post_init__(self) -> None:
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
+        refuse_unsound(f"{self.name}.index_below", self.index_below, 1.0)
         for name in ("thickness", "scattering", "absorption"):
             refuse_unsound(f"{self.name}.{name}", getattr(self, name), 0.0)
         refuse_unsound(f"{self.name}.asymmetry", self.asymmetry, -1.0, 1.0)
@@ -145,6 +149,8 @@ class Film:
         whether it lies upside down, turned over about the middle line of its tile along y
     resin
         a fill that scatters, if it does
+    absorption
+        coefficient [1/mm] of prism and resin
     """
 
     mesh: FilmMesh
@@ -156,10 +162,12 @@ class Film:
     rotation: float = 0.0
     flipped: bool = False
     resin: Resin | None = None
+    absorption: float = 0.0
 
     def __post_init__(self) -> None:
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.index_below", self.index_below, 1.0)
+        refuse_unsound(f"{self.name}.absorption", self.absorption, 0.0)
         refuse_unsound(f"{self.name}.offset", self.offset)
         refuse_unsound(f"{self.name}.rotation", self.rotation)
 

@@ -26,6 +26,7 @@ from mpfcad.optics.element import CAVITY, FILM, Sheet
 from mpfcad.optics.film.chain_lanes import film_passages
 from mpfcad.optics.film.grid_lanes import grid_passages
 from mpfcad.optics.film.passage import (
+    ABSORPTION,
     COSINE,
     FLIPPED,
     INDEX,
@@ -86,8 +87,10 @@ def pass_queue(scene, e, rays, wave, flow):
     eight = 0
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
-        # Resin that scatters is followed ray by ray.
-        if tile.accelerator in (CHAIN, GRID) and scene.parameter[e, SCATTERING] == 0.0:
+        # Resin that scatters and films that absorb are followed ray by ray.
+        film = scene.parameter[e]
+        clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0
+        if tile.accelerator in (CHAIN, GRID) and clear:
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
     elif scene.kind[e] == CAVITY:

@@ -133,6 +133,7 @@ def _slab_columns(plate: Slab, shared: Shared) -> Mapping[int, float]:
         slab.ASYMMETRY: plate.asymmetry,
         slab.BONDED: plate.bonded,
         slab.PHASE: shared.phase_row(plate.phase),
+        slab.INDEX_BELOW: plate.index_below,
     }
 
 
@@ -155,6 +156,7 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
         film.SINE: sine,
         film.FLIPPED: placed.flipped,
         film.TILE: shared.tiles.number((id(mesh), way), (mesh, way)),
+        film.ABSORPTION: placed.absorption,
     }
     resin = placed.resin
     if resin is not None:

@@ -43,8 +43,9 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         weight *= survival
         way = 1 if passed == up else -1
     else:
-        way, x, y, dx, dy, dz = placed_film_passage(
+        way, x, y, dx, dy, dz, survival = placed_film_passage(
             scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, rng
         )
+        weight *= survival
     flow[FLOW_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found

@@ -78,7 +78,7 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     Raises
     ------
     TraceError
-        when a cavity is not the lowest element, a bonded slab has no film with its underside on it,
+        when a cavity is not the lowest element, what lies on a bonded slab has not its index below,
         or the asked accelerator does not fit the mesh.
     InputError
         when the mesh of a film that is bonded or holds resin has no flat underside.
@@ -119,10 +119,20 @@ def _check_order(elements: list[Element]) -> None:
             )
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded:
-            if not isinstance(upper, Film):
-                raise TraceError("a bonded slab needs a film on it")
-            if upper.flipped:
+            if not isinstance(upper, Film | Slab):
+                raise TraceError("a bonded slab needs a film or slab on it")
+            if isinstance(upper, Film) and upper.flipped:
                 raise TraceError("a film upside down cannot be bonded on a slab")
+            if upper.index_below != element.index:
+                raise TraceError(
+                    f"{upper.name}: index_below {upper.index_below:g}: expected the index of "
+                    f"{element.name}, {element.index:g}"
+                )
+        lower = elements[i - 1] if i else None
+        lies_on = isinstance(lower, Slab) and lower.bonded
+        floats = lower is not None or isinstance(element, Slab)
+        if isinstance(element, Film | Slab) and element.index_below != 1 and floats and not lies_on:
+            raise TraceError(f"{element.name}: index_below: expected a bonded slab under it")
 
 
 def _extent_along(film: Film) -> float:

@@ -7,8 +7,8 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
 
-#: The columns of a plate in `Scene.parameter`; the last is the row of its phase function or -1.
-INDEX, THICKNESS, SCATTERING, ABSORPTION, ASYMMETRY, BONDED, PHASE = range(7)
+#: The columns of a plate in `Scene.parameter`; `PHASE` is the row of its phase function or -1.
+INDEX, THICKNESS, SCATTERING, ABSORPTION, ASYMMETRY, BONDED, PHASE, INDEX_BELOW = range(8)
 _MOST_STEPS = 1_000_000
 
 
@@ -24,13 +24,16 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
         parameter[INDEX], parameter[THICKNESS], parameter[SCATTERING], parameter[ABSORPTION],
         parameter[ASYMMETRY], parameter[BONDED] != 0.0, int(parameter[PHASE]),
     )  # fmt: skip
+    # Below it is air, or the slab on which it is bonded.
+    below = parameter[INDEX_BELOW]
     travelled = 0.0
     z = 0.0 if up else thickness
     if up or not bonded:
-        reflectance, cos_out = fresnel(abs(dz), 1.0 / index)
+        outside = below if up else 1.0
+        reflectance, cos_out = fresnel(abs(dz), outside / index)
         if uniform(rng) < reflectance:
             return (-1 if up else 1), x, y, dx, dy, -dz, 1.0
-        dx, dy, dz = dx / index, dy / index, math.copysign(cos_out, dz)
+        dx, dy, dz = dx * outside / index, dy * outside / index, math.copysign(cos_out, dz)
     for _ in range(_MOST_STEPS):
         to_face = math.inf
         if dz != 0.0:
@@ -51,11 +54,12 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
         z = thickness if top else 0.0
         if top and bonded:
             return 1, x, y, dx, dy, dz, math.exp(-absorption * travelled)
-        reflectance, cos_out = fresnel(abs(dz), index)
+        ratio = index if top else index / below
+        reflectance, cos_out = fresnel(abs(dz), ratio)
         if uniform(rng) < reflectance:
             dz = -dz
             continue
         survival = math.exp(-absorption * travelled)
         way = 1 if top else -1
-        return way, x, y, dx * index, dy * index, math.copysign(cos_out, dz), survival
+        return way, x, y, dx * ratio, dy * ratio, math.copysign(cos_out, dz), survival
     return 0, x, y, dx, dy, dz, 1.0

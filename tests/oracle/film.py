@@ -46,9 +46,10 @@ class ReferenceFilm:
     ) -> tuple[bool, Vector, Vector, float, float]:
         """Follow a ray until it leaves the film: (up, place, direction, weight, found)."""
         up, place, d = self._to_film(up, place, d)
+        self.path = 0.0
         up, place, d = self._inside(up, place, d, rng)
         up, place, d = self._to_stack(up, place, d)
-        return up, place, d, weight, 0.0
+        return up, place, d, weight * math.exp(-self.film.absorption * self.path), 0.0
 
     def _to_film(self, up: bool, place: Vector, d: Vector) -> tuple[bool, Vector, Vector]:
         """Return a ray in the film's own axes, its left edge at x = 0."""
@@ -83,10 +84,13 @@ class ReferenceFilm:
                 reach = distance if normal else o[2] / -d[2]
                 flown = self._collision(o, d, reach, rng)
                 if flown < reach:
+                    self.path += flown
                     o = tuple(a + flown * b for a, b in zip(o, d, strict=True))
                     cosine = scattering_cosine(film.resin.phase, film.resin.asymmetry, rng())
                     d = about(d, cosine, 2 * math.pi * rng())
                     continue
+            if inside:
+                self.path += distance if normal is not None else o[2] / -d[2]
             if normal is not None:
                 o = tuple(a + distance * b for a, b in zip(o, d, strict=True))
                 inside, d = self._at_facet(inside, normal, d, rng)

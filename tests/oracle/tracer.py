@@ -112,9 +112,10 @@ class ReferenceTracer:
     def _slab(slab, up, place, d, weight, rng):
         x, y, z = place[0], place[1], 0.0 if up else slab.thickness
         if up or not slab.bonded:
-            if rng() < reflectance(abs(d[2]), 1.0, slab.index):
+            outside = slab.index_below if up else 1.0
+            if rng() < reflectance(abs(d[2]), outside, slab.index):
                 return not up, place, (d[0], d[1], -d[2]), weight, 0.0
-            d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), 1.0, slab.index)
+            d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), outside, slab.index)
         while True:
             face = ((slab.thickness if d[2] > 0 else 0.0) - z) / d[2]
             free = -math.log(1 - rng()) / slab.scattering if slab.scattering else math.inf
@@ -129,10 +130,11 @@ class ReferenceTracer:
             z = slab.thickness if up else 0.0
             if up and slab.bonded:
                 return True, (x, y, 0.0), d, weight, 0.0
-            if rng() < reflectance(abs(d[2]), slab.index, 1.0):
+            outside = 1.0 if up else slab.index_below
+            if rng() < reflectance(abs(d[2]), slab.index, outside):
                 d = (d[0], d[1], -d[2])
                 continue
-            d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), slab.index, 1.0)
+            d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), slab.index, outside)
             return up, (x, y, 0.0), d, weight, 0.0
 
     def _film(self, film, up, place, d, weight, rng):

@@ -10,22 +10,25 @@ from mpfcad.optics.film.resin import collision_distance, segment_amid
 from mpfcad.optics.search.tile import CHAIN, next_facet
 from mpfcad.optics.search.tile_table import tile_of
 
-#: The columns of a film in `Scene.parameter`; the last four of its resin.
+#: The columns of a film in `Scene.parameter`; four of its resin, and the absorption of both.
 INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE = range(7)
-SCATTERING, ASYMMETRY, PHASE, PRISM = range(7, 11)
+SCATTERING, ASYMMETRY, PHASE, PRISM, ABSORPTION = range(7, 12)
 _MOST_HITS = 100_000
 
 
 @kernel
 def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
-    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz).
+    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz, survival).
 
     `parameter` is that of the film's element.
     """
     width = tiles.size[int(parameter[TILE]), 0]
     up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
-    way, x, y, dx, dy, dz = film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng)
-    return out_of_film(parameter, width, way, x, y, dx, dy, dz)
+    way, x, y, dx, dy, dz, survival = film_passage(
+        tiles, phase, parameter, up, x, y, dx, dy, dz, rng
+    )
+    way, x, y, dx, dy, dz = out_of_film(parameter, width, way, x, y, dx, dy, dz)
+    return way, x, y, dx, dy, dz, survival
 
 
 @kernel
@@ -57,14 +60,16 @@ def out_of_film(parameter, width, way, x, y, dx, dy, dz):
 
 @kernel
 def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
-    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz).
+    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz, survival).
 
     `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
-    1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh).
+    1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh). `survival` is the
+    share of its weight that the film has not absorbed, exp(-absorption · path inside).
     """
     tile = tile_of(tiles, int(parameter[TILE]))
     index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
     scatters, amid = parameter[SCATTERING] > 0.0, False
+    absorption, travelled = parameter[ABSORPTION], 0.0
     base_x = math.floor((x - offset) / tile.width) * tile.width + offset
     base_y = math.floor(y / tile.length) * tile.length
     x = min(max(x - base_x, 0.0), tile.width)
@@ -77,7 +82,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     if up and tile.underside:
         entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
         if not entered:
-            return -1, x + base_x, y + base_y, dx, dy, dz
+            return -1, x + base_x, y + base_y, dx, dy, dz, 1.0
         inside = True
     for _ in range(_MOST_HITS):
         x0, y0, z0 = x, y, z
@@ -88,10 +93,12 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
                 tile, x, y, z, dx, dy, dz, k, inside
             )
         amid = False
-        if scatters and inside and k != -2:
+        reach = 0.0
+        if inside and k != -2 and (scatters or absorption > 0.0):
             reach = z0 / -dz if dz < 0.0 else 0.0
             if k >= 0:
                 reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
+        if scatters and inside and k != -2:
             prism = tile_of(tiles, int(parameter[PRISM]))
             flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
             if flown < reach:
@@ -101,18 +108,21 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
                 )
                 dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
                 k, amid = -1, True
+                travelled += flown
                 continue
+        travelled += reach
         base_x += shift_x
         base_y += shift_y
         if k == -2:
-            return 0, x + base_x, y + base_y, dx, dy, dz
+            return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
         if k >= 0:
             inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
             continue
         if not inside:
             flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
             way = 1 if dz > 0.0 else -1
-            return way, x + flight * dx + base_x, y + flight * dy + base_y, dx, dy, dz
+            x, y = x + flight * dx + base_x, y + flight * dy + base_y
+            return way, x, y, dx, dy, dz, math.exp(-absorption * travelled)
         flight = z / -dz
         x += flight * dx
         y += flight * dy
@@ -122,8 +132,9 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         base_x += tiles_on
         left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
         if left:
-            return -1, x + base_x, y + base_y, dx, dy, dz
-    return 0, x + base_x, y + base_y, dx, dy, dz
+            survival = math.exp(-absorption * travelled)
+            return -1, x + base_x, y + base_y, dx, dy, dz, survival
+    return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
 
 
 @kernel

@@ -168,7 +168,7 @@ def measure_case(
     again: the result is the same bit for bit.
     """
     found = {}
-    for note in case.lit.notes:
+    for note in (*(t.table.summary() for t in case.lit.stack.tables.values()), *case.lit.notes):
         progress.note(note)
     for name in what:
         progress.stage(f"{case.name} in {case.lit.stack.name}: {name}")

@@ -64,6 +64,8 @@ def run_job(
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
+    for table in plan.stack.tables.values():
+        progress.note(table.table.summary())
     job = plan.job
     if plan.field_film is not None:
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
