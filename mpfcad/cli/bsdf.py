@@ -166,10 +166,12 @@ def _trace(
     from mpfcad.optics.bsdf_film import trace_film_bsdf
     from mpfcad.optics.solid.mesh import read_film_mesh
 
+    mesh = read_film_mesh(path)
     with Terminal() as terminal:
+        terminal.note(mesh.note)
         terminal.stage(f"tracing {2 * basis.count * rays / 1e6:.1f} million rays")
         return trace_film_bsdf(
-            read_film_mesh(path), index, basis, name=path.stem, rays=rays, seed=seed,
+            mesh, index, basis, name=path.stem, rays=rays, seed=seed,
             threads=threads or os.cpu_count() or 1, after_bin=_progress(terminal),
         )  # fmt: skip
 
