@@ -103,7 +103,7 @@ def page(browser, export):
 def test_every_plot_is_drawn_when_all_is_unfolded(page):
     page.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
     page.wait("[...document.querySelectorAll('.plot')].every(p => p.querySelector('svg, canvas'))")
-    assert page.run("document.querySelectorAll('.plot').length") == 3
+    assert page.run("document.querySelectorAll('.plot').length") == 4
     assert page.errors == []
 
 

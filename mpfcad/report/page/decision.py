@@ -154,8 +154,7 @@ def _assumed(record: Record) -> list[tuple[str, str]]:
     words = f"{len(assumed)} of {len(stack)} values are assumed, not measured"
     lines = [("Backlight", words + _listed(assumed))]
     if record["process"]:
-        caveats = record["process"]["caveats"]
-        lines.append(("Printing process", (caveats[0] if caveats else "calibrated") + "."))
+        lines.append(("Printing process", _process_words(record)))
     else:
         lines.append(("Printing process", "none: this film is not printed."))
     rest = [
@@ -165,6 +164,16 @@ def _assumed(record: Record) -> list[tuple[str, str]]:
     ]
     lines.append(("Mask and CAD", f"{len(rest)} values of the job are defaults" + _listed(rest)))
     return lines
+
+
+def _process_words(record: Record) -> str:
+    """Return what the process is known by, and how well it sets C."""
+    caveats = record["process"]["caveats"]
+    words = caveats[0] if caveats else "calibrated"
+    half = (record.get("printing") or {}).get("curvature_half_width_per_mm")
+    if half:
+        words += f"; it sets C to ± {half:.2g} /mm (95 %), which the verdict leaves out"
+    return words + "."
 
 
 def _listed(names: list[str]) -> str:

@@ -55,4 +55,26 @@ def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
         "stated": files[names[0]]["text"][1],
         "picture": b64encode((evidence.folder / "mask.png").read_bytes()).decode("ascii"),
         "drawing": drawing,
+        "printing": _printing_rows(record.get("printing")),
     }
+
+
+def _printing_rows(printing: dict[str, Any] | None) -> list[tuple[str, Any]]:
+    """Return what the screen does to the print."""
+    if not printing:
+        return []
+    rows = [
+        ("screen", printing["screen"]),
+        ("share of the ink volume that leaves the screen", number(printing["release"], 3)),
+        ("ripple of C after levelling [1/mm]", number(printing["ripple_curvature_per_mm"], 3)),
+        ("ripple of luminance after levelling", number(printing["ripple_luminance"], 3)),
+        (
+            f"change of C by a print that lies {printing['registration_um']:g} µm off [1/mm]",
+            number(printing["registration_curvature_per_mm"], 3),
+        ),
+        (
+            "C is known to ± [1/mm], 95 %, by the process",
+            number(printing["curvature_half_width_per_mm"], 2),
+        ),
+    ]
+    return [(name, value) for name, value in rows if str(value) != "None"]

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from mpfcad.report.drawing.energy_figure import energy_figure
+from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.number import number
@@ -42,6 +44,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
     traces = {name: found for name, found in names.items() if found and found["luminance"]}
     return {
         "traces": list(traces.items()),
+        "flow": plot(energy_figure(record["energy"]), "energy"),
         "energy_head": ["share of the lamps' light", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()]),
     }
