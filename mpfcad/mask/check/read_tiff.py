@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
+from mpfcad.mask.check.count_pixels import count_tile
 from mpfcad.units import mm
 
 INCH = 25.4 * mm
@@ -130,32 +131,29 @@ def _sum_up(
     column_area = np.zeros(width, np.int64)
     square_area = np.zeros((len(cuts[0]) - 1, len(cuts[1]) - 1), np.int64)
     for x, y, tile in _tiles(path, data, tags):
-        x0, x1 = max(x, left), min(x + tile.shape[1], left + width)
+        x0, x1 = max(x, left), min(x + tile.shape[1] * 8, left + width)
         y0, y1 = max(y, top), min(y + tile.shape[0], top + height)
         if x0 >= x1 or y0 >= y1:
             continue
-        part = tile[y0 - y : y1 - y, x0 - x : x1 - x]
         up = square[0][height - 1 - np.arange(y0 - top, y1 - top)]
         across = square[1][x0 - left : x1 - left]
-        rows = np.flatnonzero(np.diff(up, prepend=-1))
-        columns = np.flatnonzero(np.diff(across, prepend=-1))
-        by_row = np.add.reduceat(part, rows, axis=0, dtype=np.int32)
-        column_area[x0 - left : x1 - left] += by_row.sum(axis=0)
-        sums = np.add.reduceat(by_row, columns, axis=1)
-        square_area[up[rows][:, None], across[columns]] += sums
+        count_tile(
+            tile, x0 - x, y0 - y, y1 - y0, x1 - x0, up, across, column_area[x0 - left : x1 - left],
+            square_area,
+        )  # fmt: skip
     return column_area, square_area, np.outer(np.diff(cuts[0]), np.diff(cuts[1]))
 
 
 def _tiles(
     path: Path, data: NDArray[np.uint8], tags: dict[int, tuple[int, ...]]
 ) -> Iterator[tuple[int, int, NDArray[np.uint8]]]:
-    """Yield left, top and the pixels (0 or 1) of each tile."""
+    """Yield left, top and the packed pixels of each tile."""
     width, height = tags[TILE_WIDTH][0], tags[TILE_HEIGHT][0]
     across = -(-tags[WIDTH][0] // width)
     for i, (offset, size) in enumerate(zip(tags[OFFSETS], tags[SIZES], strict=True)):
         try:
             bits = zlib.decompress(data[offset : offset + size].tobytes())
-            pixels = np.unpackbits(np.frombuffer(bits, np.uint8)).reshape(height, width)
+            pixels = np.frombuffer(bits, np.uint8).reshape(height, width // 8)
         except (zlib.error, ValueError):
             raise ExportError(f"{path}: tile {i}: damaged") from None
         yield i % across * width, i // across * height, pixels
