@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import ezdxf
+import ezdxf.bbox
 import klayout.db as kdb
 import klayout.rdb as rdb
 import numpy as np
@@ -57,16 +58,22 @@ def test_klayout_reads_strict_oasis(tmp_path, rules):
 def test_ezdxf_reads_dxf(tmp_path, rules):
     mask = short(rules)
     document = ezdxf.readfile(written(tmp_path / "m.dxf", mask))
-    assert document.dxfversion == "AC1009"  # R12
+    assert document.dxfversion == "AC1015"  # R2000
+    assert document.header["$INSUNITS"] == 4  # mm
+    assert document.header["$MEASUREMENT"] == 1
+    low, high = document.header["$EXTMIN"], document.header["$EXTMAX"]
     assert not document.audit().errors
     boxes = []
-    for insert in document.modelspace().query('INSERT[layer=="1_0"]'):
+    for insert in document.modelspace().query('INSERT[layer=="APERTURE_1"]'):
         for copy in insert.multi_insert():
             for line in copy.virtual_entities():
                 assert line.is_closed
-                corner = np.array([vertex.dxf.location for vertex in line.vertices])[:, :2]
+                corner = np.array(list(line.vertices()))[:, :2]
                 boxes.append((*corner.min(axis=0), *corner.max(axis=0)))
     same(np.array(boxes) * 1e6, flat_boxes(mask), 1e-3)
+    drawn = ezdxf.bbox.extents(document.modelspace().query("LWPOLYLINE"))
+    assert np.all(np.array(low) <= np.array(drawn.extmin) + 1e-6)
+    assert np.all(np.array(high) >= np.array(drawn.extmax) - 1e-6)
     text = [entity.dxf.text for entity in document.modelspace().query("TEXT")]
     assert "unit: mm" in text
     assert Phototool().statement in text
@@ -101,13 +108,13 @@ def test_an_xml_reader_finds_the_apertures_of_svg(tmp_path):
     space = "{http://www.w3.org/2000/svg}"
     count = area = 0
     group = next(g for g in root.iter(f"{space}g") if g.get("class") == "aperture")
-    patterns = {p.get("id"): p for p in group.iter(f"{space}pattern")}
-    for rect in group.findall(f"{space}rect"):
-        tile = patterns[rect.get("fill")[5:-1]]
-        rows = round(float(rect.get("height")) / float(tile.get("height")))
-        for shape in tile:
-            count += rows
-            area += rows * float(shape.get("width")) * float(shape.get("height"))
+    lines = {line.get("id"): line for line in group.iter(f"{space}path")}
+    for use in group.iter(f"{space}use"):
+        line = lines[use.get("href")[1:]]
+        dash, gap = (float(value) for value in use.get("stroke-dasharray").split())
+        rows = round(float(line.get("d").rpartition("V")[2]) / (dash + gap))
+        count += rows
+        area += rows * dash * float(line.get("stroke-width"))
     assert count == mask.aperture_count
     assert area / (mask.width * mask.length) == pytest.approx(mask.aperture_ratio.mean(), rel=1e-9)
 

@@ -194,13 +194,10 @@ def test_a_flipped_byte_is_found(tmp_path, suffix):
 
 TEXTUAL = {
     "svg": [
-        (r'height="([\d.]+)" fill="url', r'height="9" fill="url', "whole tiles|groove"),
+        (r'stroke-dasharray="0\.02', r'stroke-dasharray="0.03', "whole number of dashes|groove"),
         (r'viewBox="(\S+) 0 (\S+)', r'viewBox="\1 0 9', "one unit is"),
-        (
-            r'(<rect x="0" y="0[.\d]*" width="0.05" height="[.\d]+)"',
-            r'\g<1>4567"',
-            "off the 1 nm grid",
-        ),
+        (r'(<use href="#a0" x="0.025" y="[.\d]+)"', r'\g<1>4567"', "off the 1 nm grid"),
+        (r'(d="M0 0V\d)', r"\g<1>9", "whole number of dashes|line with gaps|outside|groove"),
         ("drawn = open", "drawn = closed", "is not what is painted"),
         (r'(<g class="aperture" fill=)"#000"', r'\1"#fff"', "wrong polarity"),
     ],

@@ -3,6 +3,7 @@
 An aperture is a cell that holds one rectangle; a tile is a cell of such references.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ from mpfcad.units import mm, um
 if TYPE_CHECKING:
     import klayout.db as kdb
 
+#: A layer's name in a DXF; older files have number and datatype, which klayout understands.
+_NAMED = re.compile(r"[A-Z]+_(\d+)")
 #: Database unit of a mask file [µm].
 DATABASE_UNIT = GRID / um
 
@@ -42,7 +45,19 @@ def open_layout(path: Path) -> "kdb.Layout":
         raise ExportError(f"{path}: not a readable mask: {' '.join(str(error).split())}") from None
     if top is None or abs(layout.dbu - DATABASE_UNIT) > 1e-12:
         raise ExportError(f"{path}: database unit {layout.dbu:g} µm: wanted {DATABASE_UNIT:g}")
+    _number_layers(layout)
     return layout
+
+
+def _number_layers(layout: "kdb.Layout") -> None:
+    """Give layers that have names only (DXF) the numbers that stand in them: `APERTURE_1`."""
+    import klayout.db as kdb
+
+    for index in layout.layer_indexes():
+        info = layout.get_info(index)
+        found = _NAMED.fullmatch(info.name)
+        if info.layer < 0 and found is not None:
+            layout.set_info(index, kdb.LayerInfo(int(found[1]), 0))
 
 
 def read_layout(path: Path) -> FoundMask:

@@ -1,7 +1,8 @@
-"""SVG read again with an XML reader: its patterns become arrays."""
+"""SVG read again with an XML reader: its dashed lines become arrays."""
 
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -15,7 +16,7 @@ from mpfcad.units import um
 #: How far a coordinate may be from the grid: rounding of a decimal [grid steps].
 OFF_GRID = 1e-3
 _SVG = "{http://www.w3.org/2000/svg}"
-_FILL = re.compile(r"url\(#(\w+)\)")
+_PART = re.compile(r"M0 ([0-9.]+)V([0-9.]+)")
 
 
 def read_svg(path: Path) -> FoundMask:
@@ -79,38 +80,51 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
 def _arrays(
     path: Path, group: ElementTree.Element, tiles: dict[str, ElementTree.Element]
 ) -> Iterator[ApertureArray]:
-    pattern: ElementTree.Element | None = None
+    lines: dict[str, tuple[int, int, int]] = {}
     for element in group:
-        if element.tag == f"{_SVG}pattern":
-            pattern = element
+        if element.tag == f"{_SVG}defs":
+            for line in element:
+                lines[line.attrib["id"]] = _line(path, line)
         elif element.tag == f"{_SVG}use":
+            name = element.attrib["href"].removeprefix("#")
+            if name in lines:
+                yield _dashed(path, element, *lines[name])
+                continue
             x, y = _steps(element.attrib["x"]), _steps(element.attrib["y"])
-            for shape in tiles[element.attrib["href"].removeprefix("#")]:
+            for shape in tiles[name]:
                 yield _array(_box(shape), (x, y))
-        elif element.tag == f"{_SVG}rect" and "fill" in element.attrib:
-            yield from _tiled(path, element, pattern)
         elif element.tag == f"{_SVG}rect":
             yield _array(_box(element), (0, 0))
         elif element.tag != f"{_SVG}polygon" or group.get("class") == LAYERS[APERTURE]:
             raise ExportError(f"{path}: {element.tag.removeprefix(_SVG)}: no aperture")
 
 
-def _tiled(
-    path: Path, element: ElementTree.Element, pattern: ElementTree.Element | None
-) -> Iterator[ApertureArray]:
-    """Yield the arrays of a rectangle that is filled with a pattern."""
-    name = _FILL.fullmatch(element.attrib["fill"])[1]
-    tile, box = _box(pattern), _box(element)
-    step = tile[3] - tile[1]
-    rows = (box[3] - box[1]) // step
-    whole = (tile[0], tile[1], tile[2], tile[1] + rows * step)
-    if pattern.get("id") != name or pattern.get("patternUnits") != "userSpaceOnUse" or box != whole:
-        raise ExportError(f"{path}: pattern {name}: does not fill its rectangle with whole tiles")
-    for shape in pattern:
-        inner = _box(shape)
-        if inner[0] < 0 or inner[1] < 0 or inner[2] > tile[2] - tile[0] or inner[3] > step:
-            raise ExportError(f"{path}: pattern {name}: an aperture is cut at the tile's edge")
-        yield _array(inner, (tile[0], tile[1]), rows, step)
+def _line(path: Path, element: ElementTree.Element) -> tuple[int, int, int]:
+    """Return width, length and the step of a line's parts: all but the last are as long."""
+    parts = _PART.findall(element.attrib["d"])
+    if "".join(f"M0 {low}V{high}" for low, high in parts) != element.attrib["d"] or not parts:
+        raise ExportError(f"{path}: {element.get('id')}: no line along the grooves")
+    ends = [(_steps(low), _steps(high)) for low, high in parts]
+    if ends[0][0] != 0 or any(a[1] != b[0] for a, b in pairwise(ends)):
+        raise ExportError(f"{path}: {element.get('id')}: a line with gaps")
+    return _steps(element.attrib["stroke-width"]), ends[-1][1], ends[0][1]
+
+
+def _dashed(
+    path: Path, element: ElementTree.Element, width: int, length: int, part: int
+) -> ApertureArray:
+    """Return the rectangles of a dashed line."""
+    dash, gap = (_steps(value) for value in element.attrib["stroke-dasharray"].split())
+    step = dash + gap
+    if min(dash, gap) <= 0 or length % step or (part != length and part % step):
+        raise ExportError(f"{path}: a line is no whole number of dashes and gaps")
+    left = _steps(element.attrib["x"], 2) - width
+    if left % 2:
+        raise ExportError(f"{path}: a line's edge is off the 1 nm grid")
+    place = Placement(
+        (left // 2, _steps(element.attrib["y"])), rows=length // step, row_step=(0, step)
+    )
+    return ApertureArray((width, dash), place)
 
 
 def _array(box: Box, by: tuple[int, int], rows: int = 1, step: int = 0) -> ApertureArray:
@@ -129,15 +143,15 @@ def _polygon_box(points: str) -> Box:
     return min(x), min(y), max(x), max(y)
 
 
-def _steps(text: str) -> int:
-    """Return a length in mm as grid steps.
+def _steps(text: str, share: int = 1) -> int:
+    """Return a length in mm as grid steps, or as so many to the step.
 
     Raises
     ------
     ValueError
         when it is off the grid.
     """
-    steps = float(text) / GRID
+    steps = float(text) / GRID * share
     if abs(steps - round(steps)) > OFF_GRID:
         raise ValueError(f"{text}: off the 1 nm grid")
     return round(steps)

@@ -1,6 +1,8 @@
-"""A drawing as DXF R12 with ezdxf: closed polylines in blocks, arrays as INSERTs; in mm."""
+"""A drawing as DXF R2000 with ezdxf: closed polylines in blocks, arrays as INSERTs; in mm.
 
-import logging
+The header states unit, measurement and extents; layers are named for what they hold.
+"""
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,16 +22,17 @@ LARGEST_ARRAY = 32_767
 DECIMALS = 6
 TEXT_HEIGHT = 3.0
 UNIT_TEXT = "unit: mm"
+#: $INSUNITS and $MEASUREMENT.
+MILLIMETRE, METRIC = 4, 1
 
 
 def write_dxf(drawing: Drawing, path: Path) -> None:
     """Write `drawing` to `path`."""
     import ezdxf
 
-    # ezdxf warns that R12 has no variable for the unit; the drawing states it as text.
-    logging.getLogger("ezdxf").setLevel(logging.ERROR)
     with _without_date():
-        document = ezdxf.new("R12", units=0)
+        document = ezdxf.new("R2000", units=MILLIMETRE)
+        _state_extents(document, drawing)
         for layer in LAYERS:
             document.layers.add(layer_name(layer))
         space = document.modelspace()
@@ -59,9 +62,19 @@ def write_dxf(drawing: Drawing, path: Path) -> None:
         document.saveas(path)
 
 
+def _state_extents(document: Any, drawing: Drawing) -> None:
+    """Put unit, measurement and extents into the header, and the view onto them."""
+    left, bottom, right, top = (_mm(value) for value in drawing.bounds())
+    document.header["$MEASUREMENT"] = METRIC
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (left, bottom, 0), (right, top, 0)
+    document.header["$LIMMIN"], document.header["$LIMMAX"] = (left, bottom), (right, top)
+    document.modelspace().reset_extents((left, bottom, 0), (right, top, 0))
+    document.set_modelspace_vport(top - bottom, ((left + right) / 2, (bottom + top) / 2))
+
+
 def layer_name(layer: int) -> str:
-    """Return the name of a layer, number and datatype: `1_0`."""
-    return f"{layer}_0"
+    """Return the name of a layer, what it holds and its number: `APERTURE_1`."""
+    return f"{LAYERS[layer].upper()}_{layer}"
 
 
 @contextmanager
@@ -100,7 +113,7 @@ def _add_outline(into: "Modelspace | BlockLayout", array: ApertureArray, layer: 
         width, length = array.shape
         points = ((0, 0), (width, 0), (width, length), (0, length))
     corners = [(_mm(x), _mm(y)) for x, y in points]
-    into.add_polyline2d(corners, close=True, dxfattribs={"layer": layer_name(layer)})
+    into.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer_name(layer)})
 
 
 def _insert(into: "Modelspace | BlockLayout", name: str, layer: int, place: Placement) -> None:

@@ -1,12 +1,14 @@
-"""A drawing as SVG in mm: rows of apertures as patterns, so that it stays small; y runs up.
+"""A drawing as SVG in mm: rows of apertures as dashed lines, so that it stays small; y runs up.
 
-Black is drawn. Arrays of the same number of rows and the same step are one pattern tile, one period
-high and as wide as the panel, that fills a rectangle of rows × period.
+Black is drawn. A column of equal rectangles is a line as wide as they are, dashed by their length
+and distance; columns with the same rows share the line. Renderers draw dashes as shapes at any
+resolution, where a pattern would be a picture. Edges are not smoothed (`crispEdges`): where
+smoothed edges of neighbours meet, light comes through.
 """
 
 from collections.abc import Iterable, Iterator
 from html import escape
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
 
 from mpfcad.mask.array import ApertureArray, Placement
@@ -15,6 +17,8 @@ from mpfcad.mask.format.flat import columns_of
 from mpfcad.mask.layer import APERTURE, COUPON, LAYERS, OUTLINE
 from mpfcad.mask.rule import GRID
 
+#: Steps after which the dashes of a line begin anew.
+PART = 128
 INK, PAPER = "#000", "#fff"
 
 
@@ -30,7 +34,8 @@ def _parts(drawing: Drawing) -> Iterator[str]:
     size = (right - left, top - bottom)
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_mm(size[0])}mm" '
-        f'height="{_mm(size[1])}mm" viewBox="{_mm(left)} 0 {_mm(size[0])} {_mm(size[1])}">'
+        f'height="{_mm(size[1])}mm" viewBox="{_mm(left)} 0 {_mm(size[0])} {_mm(size[1])}" '
+        f'shape-rendering="crispEdges">'
     )
     notes = "\n".join(drawing.lines[1:])
     yield f"<title>{escape(drawing.lines[0])}</title><desc>{escape(notes)}</desc>"
@@ -53,42 +58,42 @@ def _parts(drawing: Drawing) -> Iterator[str]:
 
 
 def _layer(layer: int, arrays: Iterable[ApertureArray], colour: str) -> Iterator[str]:
-    yield f'<g class="{LAYERS[layer]}" fill="{colour}" stroke="none">'
-    for i, group in enumerate(_bands(arrays)):
-        rows, (_, step) = group[0].place.rows, group[0].place.row_step
-        if rows == 1:
-            yield from (_shape(array) for array in group)
+    """Yield the arrays of a layer: rows of rectangles as dashed lines, the rest one by one."""
+    lines: dict[tuple[int, int, int], str] = {}
+    yield (
+        f'<g class="{LAYERS[layer]}" fill="{colour}" stroke="{colour}" stroke-width="0" '
+        f'stroke-linecap="butt">'
+    )
+    for array in columns_of(arrays):
+        place = array.place
+        rows, (dx, step) = place.rows, place.row_step
+        if rows == 1 or not isinstance(array.shape, tuple) or dx or step <= array.shape[1]:
+            for x, y in place.positions():
+                yield _shape(ApertureArray(array.shape, Placement((int(x), int(y)))))
             continue
-        left = min(a.place.origin[0] + a.box[0] for a in group)
-        right = max(a.place.origin[0] + a.box[2] for a in group)
-        foot = min(a.place.origin[1] + a.box[1] for a in group)
-        place = f'x="{_mm(left)}" y="{_mm(foot)}" width="{_mm(right - left)}"'
-        name = f"{LAYERS[layer]}{i}"
-        yield f'<pattern id="{name}" patternUnits="userSpaceOnUse" {place} height="{_mm(step)}">'
-        # What is inside a pattern is drawn from the tile's corner on.
-        yield from (_shape(array, left, foot) for array in group)
-        yield "</pattern>"
-        yield f'<rect {place} height="{_mm(rows * step)}" fill="url(#{name})"/>'
+        width, length = array.shape
+        key = (rows, step, width)
+        if key not in lines:
+            lines[key] = f"{LAYERS[layer][0]}{len(lines)}"
+            yield (
+                f'<defs><path id="{lines[key]}" stroke-width="{_mm(width)}" fill="none" '
+                f'd="{_line(rows, step)}"/></defs>'
+            )
+        x, y = place.origin
+        yield (
+            f'<use href="#{lines[key]}" x="{_half_mm(2 * x + width)}" y="{_mm(y)}" '
+            f'stroke-dasharray="{_mm(length)} {_mm(step - length)}"/>'
+        )
     yield "</g>"
 
 
-def _bands(arrays: Iterable[ApertureArray]) -> Iterator[list[ApertureArray]]:
-    """Yield neighbouring arrays whose rows fit one tile, a row step high."""
-    band: list[ApertureArray] = []
-    low = high = 0
-    for array in columns_of(arrays):
-        foot, top = (array.place.origin[1] + array.box[k] for k in (1, 3))
-        if band:
-            first = band[0].place
-            same = (first.rows, first.row_step) == (array.place.rows, array.place.row_step)
-            reach = max(high, top) - min(low, foot)
-            if not (same and (first.rows == 1 or reach <= first.row_step[1])):
-                yield band
-                band = []
-        low, high = (min(low, foot), max(high, top)) if band else (foot, top)
-        band.append(array)
-    if band:
-        yield band
+def _line(rows: int, step: int) -> str:
+    """Return a line along `rows` steps, in parts whose dashes begin anew with a whole step.
+
+    So a renderer that adds up its dashes in single precision is off by no more than a part's worth.
+    """
+    edges = [*range(0, rows, PART), rows]
+    return "".join(f"M0 {_mm(low * step)}V{_mm(high * step)}" for low, high in pairwise(edges))
 
 
 def _shape(array: ApertureArray, left: int = 0, foot: int = 0) -> str:
@@ -117,6 +122,11 @@ def _tiles(drawing: Drawing, colour: str) -> Iterator[str]:
         for x, y in placed.place.positions():
             yield f'<use href="#{placed.tile.name}" x="{_mm(x)}" y="{_mm(y)}"/>'
     yield "</g>"
+
+
+def _half_mm(value: int) -> str:
+    """Return half a length in mm."""
+    return f"{int(value) * GRID / 2:.7f}".rstrip("0").rstrip(".")
 
 
 def _mm(value: int) -> str:

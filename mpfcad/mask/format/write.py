@@ -49,7 +49,7 @@ class Format:
 FORMATS = {
     "oas": Format("OASIS", write_oasis, False, 2),
     "gds": Format("GDSII", write_gdsii, False, 56),
-    "dxf": Format("DXF R12", write_dxf, False, 120, closes=False),
+    "dxf": Format("DXF R2000", write_dxf, False, 120, closes=False),
     "gbr": Format("Gerber RS-274X", write_gerber, True, 24),
     "svg": Format("SVG", write_svg, True, 40),
     "tif": Format("TIFF", write_tiff, True, 24),
