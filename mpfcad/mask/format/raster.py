@@ -92,7 +92,8 @@ class Spans:
         area = width.astype(float) * length / raster.pixel**2
         return cls(
             left, right, np.ascontiguousarray(count), (y - foot) / raster.pixel,
-            step / raster.pixel, area / (right - left), np.arange(len(table)) * GOLDEN % 1.0,
+            step / raster.pixel, np.asarray(area / (right - left), np.float64),
+            np.arange(len(table)) * GOLDEN % 1.0,
         )  # fmt: skip
 
     def draw(self, bits: NDArray[np.uint8], bottom: int, on: bool) -> None:
