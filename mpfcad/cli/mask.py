@@ -82,7 +82,8 @@ def command(
     print_gates(screen)
     for name in (*(f"mask.{suffix}" for suffix in chosen), "order.pdf"):
         print(folder / name)
-    return 1 if screen["printability"] in ("FAIL", "INCONCLUSIVE") else 0
+    outcomes = {gate["outcome"] for gate in screen["gates"]}
+    return 1 if outcomes & {"FAIL", "INCONCLUSIVE"} else 0
 
 
 def _read(path: Path, changes: dict[str, Any]) -> "MaskPlan":
