@@ -8,7 +8,7 @@
 The layers, from the bottom: `units` and `errors`; `film` (what the film is); `mask`, `cad` and
 `optics` (what is made of it, and how it is traced); `backlight`; `measure`; `record` and `report`;
 and at the top `job`, `pipeline`, `cli` and `api`, whose names stand here too. Imports point down
-only; tests/test_layers.py holds it. Nothing heavy is imported before it is used.
+only; tests/test_layering.py holds it. Nothing heavy is imported before it is used.
 """
 
 from typing import TYPE_CHECKING, Any

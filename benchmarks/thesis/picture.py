@@ -40,7 +40,7 @@ def draw_curvature(results: dict, fit: dict) -> str:
             parts += right.points(figures, family, name, figures.relative)
     parts += _legend()
     # A drawing that is looked at alone needs a font of its own.
-    whole = picture(_WIDTH, _HEIGHT, "Contrast and luminance against curvature", parts)
+    whole = str(picture(_WIDTH, _HEIGHT, "Contrast and luminance against curvature", parts))
     return (
         whole.replace("<svg ", '<svg font-family="system-ui, DejaVu Sans, sans-serif" ', 1) + "\n"
     )
