@@ -127,4 +127,4 @@ def check_section_step(path: Path, section: Section, body: str) -> StepCheck:
     """
     low = (0.0, 0.0, section.underside)
     high = (section.width, section.length, section.underside + section.thickness)
-    return check_one_body(path, body, section.volume, low, high)
+    return check_one_body(path, body, section.volume, low, high, repair=False)

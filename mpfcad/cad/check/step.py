@@ -138,8 +138,12 @@ def check_one_body(
     volume: float,
     low: tuple[float, float, float],
     high: tuple[float, float, float],
+    *,
+    repair: bool = True,
 ) -> StepCheck:
     """Return what the STEP file at `path` holds, measured against one solid `body` of this size.
+
+    `repair`: read with what OCCT fits to patches; planes and extrusions need none of it.
 
     Raises
     ------
@@ -150,7 +154,7 @@ def check_one_body(
     units = read_step_text(path).units
     if units != MILLIMETRE:
         raise ExportError(f"{path.name}: length units {sorted(units)}: expected all millimetres")
-    shapes = read_bodies(path, repair=True)
+    shapes = read_bodies(path, repair=repair)
     return _measure(path, shapes, {body: (1, volume)}, (low, high), 0.0)
 
 
