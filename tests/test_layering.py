@@ -27,6 +27,7 @@ LAYER = {
     "backlight": 4,
     "measure": 5,
     "design": 6,
+    "confidence": 6,
     "export": 7,
     "record": 7,
     "report": 8,

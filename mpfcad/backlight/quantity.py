@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeGuard
 
 from mpfcad.backlight.layer import OWN_VALUES, Layer
 from mpfcad.backlight.source.protocol import Range, SourceSpec
@@ -10,6 +10,8 @@ from mpfcad.errors import InputError
 
 Tag = Literal["given", "sourced", "assumed"]
 TAGS: tuple[Tag, ...] = ("given", "sourced", "assumed")
+#: What a number with more than its value may state.
+ENTRY = {"value", "tag", "source", "sigma", "range"}
 
 _PANEL: dict[str, Range] = {
     "panel_width_mm": (1.0, 10_000.0),
@@ -62,11 +64,12 @@ FILM_RANGES = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with where it comes from."""
+    """A number with where it comes from and its standard uncertainty; None: that of its kind."""
 
     value: float
     tag: Tag
     source: str
+    sigma: float | None = None
 
 
 def ranges_with(spec: SourceSpec) -> dict[str, Range]:
@@ -92,7 +95,7 @@ def find_range(key: str, own: dict[str, Layer], spec: SourceSpec) -> Range | Non
 def read_quantity(
     where: str, key: str, entry: object, own: dict[str, Layer], spec: SourceSpec
 ) -> Quantity:
-    """Return a checked quantity from a number or a {value, tag, source} table.
+    """Return a checked quantity from a number or a {value, tag, source, sigma or range} table.
 
     Raises
     ------
@@ -108,8 +111,8 @@ def read_quantity(
         raise InputError(f"{where}.{key}: unknown value; allowed: {', '.join(known)}")
     tag, source, value = "given", "given by the user", entry
     if isinstance(entry, dict):
-        if set(entry) - {"value", "tag", "source"} or "value" not in entry:
-            raise InputError(f"{where}.{key}: {entry}: allowed keys: value, tag, source")
+        if set(entry) - ENTRY or "value" not in entry:
+            raise InputError(f"{where}.{key}: {entry}: expected keys: {', '.join(sorted(ENTRY))}")
         value = entry["value"]
         tag, source = entry.get("tag", tag), str(entry.get("source", source))
     tagged: Tag | None = next((one for one in TAGS if one == tag), None)
@@ -125,4 +128,30 @@ def read_quantity(
         raise InputError(f"{where}.{key}: {value}: must be a number in {low:g} … {high:g}")
     if key.endswith("_count") and value != int(value):
         raise InputError(f"{where}.{key}: {value}: must be a whole number")
-    return Quantity(value, tagged, source)
+    sigma = _read_sigma(f"{where}.{key}", value, entry) if isinstance(entry, dict) else None
+    return Quantity(value, tagged, source, sigma)
+
+
+def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | None:
+    """Return the standard uncertainty that an entry states; a range is taken as uniform."""
+    if "sigma" in entry and "range" in entry:
+        raise InputError(f"{where}: sigma and range: expected one of them")
+    if "sigma" in entry:
+        sigma = entry["sigma"]
+        if not _is_number(sigma) or not sigma >= 0:
+            raise InputError(f"{where}.sigma: {sigma}: expected a number of 0 or more")
+        return float(sigma)
+    if "range" not in entry:
+        return None
+    ends = entry["range"]
+    if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
+        raise InputError(f"{where}.range: {ends}: expected [lowest, highest]")
+    low, high = map(float, ends)
+    if not low <= value <= high:
+        raise InputError(f"{where}.range: {ends}: expected to hold the value {value:g}")
+    return (high - low) / math.sqrt(12)
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    is_plain = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_plain and math.isfinite(value)

@@ -113,7 +113,11 @@ def _flat(where: str, values: Mapping[str, Any]) -> dict[str, tuple[str, object]
     """Return values with those of tables of a layer's own as `layer.value`."""
     flat = {}
     for key, entry in values.items():
-        if isinstance(entry, Mapping) and "value" not in entry and not {"tag", "source"} & {*entry}:
+        if (
+            isinstance(entry, Mapping)
+            and "value" not in entry
+            and not {"tag", "source", "sigma", "range"} & {*entry}
+        ):
             flat.update({f"{key}.{inner}": (where, value) for inner, value in entry.items()})
         else:
             flat[key] = (where, entry)

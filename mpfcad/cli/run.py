@@ -16,6 +16,10 @@ def command(
         bool, typer.Option("--pdf", help="Print report.pdf (A4), by a Chromium that is installed.")
     ] = False,
     junit: Junit = None,
+    confidence: Annotated[
+        bool,
+        typer.Option("--confidence", help="Find how likely the verdict holds with all widths."),
+    ] = False,
 ) -> int:
     """Make mask, CAD files, ray trace and report of a job."""
     from mpfcad.cli.terminal import Terminal, print_verdict
@@ -24,6 +28,8 @@ def command(
     from mpfcad.record import exit_code, write_junit
 
     job = read_job(job_file)
+    if confidence and job.confidence is None:
+        job = job.model_copy(update={"confidence": job.confidence_table})
     folder = out or default_out(job)
     with Terminal() as terminal:
         verification = run_job(

@@ -167,6 +167,10 @@ def print_gates(record: dict[str, Any]) -> None:
         print(f"printability: {record['printability']}")
 
 
+#: Inputs with the largest shares that are printed.
+_INPUTS_SHOWN = 6
+
+
 def print_verdict(verification: dict[str, Any], folder: Path) -> None:
     """Print the verdict, one line a gate, and where the report is."""
     print_gates(verification)
@@ -177,7 +181,32 @@ def print_verdict(verification: dict[str, Any], folder: Path) -> None:
             "stack"
         )
     note = ", phototool only" if verification.get("printability") == "phototool only" else ""
-    print(f"{verification['verdict']}{note}: {folder / 'report.html'}")
+    likely = ""
+    if "confidence" in verification:
+        print_confidence(verification["confidence"])
+        share = verification["confidence"]["probability"]["marginal"]["value"]
+        likely = f" as stated; {share:.2f} likely in the real backlight"
+    print(f"{verification['verdict']}{note}{likely}: {folder / 'report.html'}")
+
+
+def print_confidence(confidence: dict[str, Any]) -> None:
+    """Print how likely the limits are met, what that hangs on and what to measure next."""
+    for found in confidence["probability"].values():
+        low, high = found["ci95"]
+        share = f"{found['value']:.2f} [{low:.2f}, {high:.2f}]"
+        print(f"contrast at most {found['limit']:g}: {share} likely")
+    low, high = confidence["contrast"]["ci95"]
+    print(f"contrast with all widths {confidence['contrast']['value']:.4f} [{low:.4f}, {high:.4f}]")
+    for one in confidence["inputs"][:_INPUTS_SHOWN]:
+        bar = "#" * round(40 * one["share_of_variance"])
+        print(f"  {one['name']:28} ± {one['sigma']:<7.3g} {one['share_of_variance']:5.0%} {bar}")
+    if confidence["measure_next"]:
+        first = confidence["measure_next"][0]
+        print(
+            f"measure next: {first['measurement']}: the contrast's 95 % range narrows from "
+            f"{first['contrast_spread_before']:.4f} to {first['contrast_spread']:.4f}; "
+            f"{first['probability_if_confirmed']:.2f} likely if it confirms the stated value"
+        )
 
 
 def gate_line(gate: dict[str, Any]) -> str:

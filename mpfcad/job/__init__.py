@@ -7,6 +7,7 @@ becomes one `InputError` line that names the file, the field, its value and what
 from mpfcad.job.model import (
     EFFORTS,
     CadTable,
+    ConfidenceTable,
     Effort,
     FilmTable,
     GateTable,
@@ -24,6 +25,7 @@ __all__ = [
     "EFFORTS",
     "TEMPLATE",
     "CadTable",
+    "ConfidenceTable",
     "Effort",
     "FilmTable",
     "GateTable",

@@ -4,13 +4,17 @@ Outside every quantity carries its unit in its name (`pitch_um`); the properties
 give the inside value (mm, rad).
 """
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from mpfcad.job.film import FilmTable
 from mpfcad.job.screen import MaskTable, ProcessTable
 from mpfcad.job.table import Positive, Table
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Effort = Literal["quick", "standard", "final"]
 _Row = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -135,6 +139,7 @@ class GateTable(Table):
     ripple_curvature_per_mm: Positive = 0.5
     ripple_luminance: Annotated[Positive, Field(le=1)] = 0.005
     registration_curvature_per_mm: Positive = 1.0
+    confidence_min: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] | None = None
 
     @model_validator(mode="after")
     def _order(self) -> "GateTable":
@@ -152,6 +157,45 @@ class TraceTable(Table):
     effort: Effort = "standard"
 
 
+class ConfidenceTable(Table):
+    """`[confidence]`: how well film and print are known (standard uncertainties), and the traces.
+
+    `covariance` is a CSV of inputs that hang together; `names` and `matrix` are what it holds.
+    """
+
+    resin_percent: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 10.0
+    registration_mm: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.3
+    depth_um: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.25
+    base_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 5.0
+    paths_million: Annotated[Positive, Field(le=10_000)] = 6.5
+    covariance: str | None = None
+    names: list[str] | None = None
+    matrix: list[list[float]] | None = None
+
+    @model_validator(mode="after")
+    def _one_covariance(self) -> "ConfidenceTable":
+        if (self.names is None) != (self.matrix is None):
+            raise ValueError("expected both names and matrix, or neither")
+        if self.covariance is not None and self.names is not None:
+            raise ValueError("expected either covariance or names and matrix")
+        return self
+
+    def covariance_of(self) -> "tuple[list[str], NDArray[np.float64]] | None":
+        """Return names and covariance (n, n) of the inputs that hang together."""
+        if self.names is None:
+            return None
+        import numpy as np
+
+        return self.names, np.array(self.matrix, np.float64)
+
+    def sigmas(self) -> dict[str, float]:
+        """Return the standard uncertainties that the covariance states."""
+        found = self.covariance_of()
+        if found is None:
+            return {}
+        return {name: float(found[1][i, i]) ** 0.5 for i, name in enumerate(found[0])}
+
+
 class Job(Table):
     """A whole job; `name` and `[map]` are all that must be given."""
 
@@ -167,6 +211,17 @@ class Job(Table):
     resin: ResinTable | None = None
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
+    confidence: ConfidenceTable | None = None
+
+    @property
+    def wants_confidence(self) -> bool:
+        """Whether the verdict's confidence is to be found."""
+        return self.confidence is not None or self.gates.confidence_min is not None
+
+    @property
+    def confidence_table(self) -> ConfidenceTable:
+        """`[confidence]`, or its defaults."""
+        return self.confidence or ConfidenceTable()
 
     def document(self) -> dict[str, Any]:
         """Return the job as plain JSON values, every default written out."""

@@ -13,7 +13,7 @@ from mpfcad.measure.cell.luminance import CellResult, luminance_over_cell
 from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.contrast.contrast import contrast_of_curve
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
-from mpfcad.measure.contrast.fit import fit_harmonics
+from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.contrast.harmonic import harmonic_amplitude, relative_spread
 from mpfcad.measure.estimate import Estimate, reach
 from mpfcad.measure.eye import describe_eye, threshold_contrast
@@ -37,6 +37,7 @@ __all__ = [
     "CurveFit",
     "Estimate",
     "FluxResult",
+    "HarmonicFit",
     "Lit",
     "LuminanceResult",
     "PanelResult",

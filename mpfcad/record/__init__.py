@@ -28,6 +28,7 @@ from mpfcad.record.verification import (
     Checks,
     build_gates,
     build_verification,
+    confidence_gate,
     describe_luminance,
 )
 
@@ -43,6 +44,7 @@ __all__ = [
     "ResinCheck",
     "build_gates",
     "build_verification",
+    "confidence_gate",
     "describe_angular",
     "describe_camera",
     "describe_cell",

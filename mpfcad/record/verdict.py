@@ -7,6 +7,7 @@ from mpfcad.gate import Gate, worst_of_each
 #: Every gate that a verdict may have, in the order of report and command line.
 ORDER = (
     "lamp_mura_contrast",
+    "confidence",
     "mask_file_as_written",
     "mask_aperture_ratio_error",
     "mask_rule_violations",

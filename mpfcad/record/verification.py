@@ -116,6 +116,13 @@ def energy_gates(energy: dict[str, Any]) -> list[Gate]:
     ]
 
 
+def confidence_gate(confidence: dict[str, Any], least: float) -> Gate:
+    """Return the gate of the probability that the contrast is accepted in the real backlight."""
+    found = confidence["probability"]["marginal"]
+    low, high = found["ci95"]
+    return Gate("confidence", found["value"], least, (low, high), at_least=True)
+
+
 def build_verification(
     *,
     name: str,
@@ -126,6 +133,7 @@ def build_verification(
     baseline: LuminanceResult,
     baseline_stack: str,
     eye: dict[str, Any] | None,
+    confidence: dict[str, Any] | None = None,
     inputs: list[dict[str, Any]],
     process: dict[str, Any] | None,
     curvature: dict[str, Any] | None,
@@ -152,6 +160,7 @@ def build_verification(
         "resin": describe_resin(checks.resin),
         "process": process,
         "printing": None if checks.printing is None else checks.printing.document(),
+        **({} if confidence is None else {"confidence": confidence}),
         "inputs": inputs,
         "provenance": provenance,
         "job": job,

@@ -6,6 +6,7 @@
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from mpfcad.measure import (
     light_film,
     luminance_over_pitch,
 )
+from mpfcad.pipeline.confidence.find import find_confidence
 from mpfcad.pipeline.effort import TraceSetting, available_threads
 from mpfcad.pipeline.plan.made import Drawn
 from mpfcad.pipeline.plan.plan import Plan
@@ -69,6 +71,8 @@ class Findings:
         backlight, and of the conventional stack with a plain BEF
     printing
         what the screen prints; None without a mask
+    confidence
+        how likely the limits are met, in outside names; None where the job does not ask for it
     """
 
     mask: dict[str, MaskCheck]
@@ -84,6 +88,7 @@ class Findings:
     plain: LuminanceResult
     baseline: LuminanceResult
     printing: Printing | None = None
+    confidence: dict[str, Any] | None = None
 
 
 def examine(
@@ -114,6 +119,9 @@ def examine(
     progress.stage("tracing the conventional stack")
     lit = light_baseline(plan.job.cad.angle_tolerance)
     baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    confidence = None
+    if plan.job.wants_confidence and luminance is not None:
+        confidence = find_confidence(folder, plan, luminance, run.threads, progress)
     wanted = None if mask is None else mask.wanted_ratio
     printing = None
     if mask is not None and plan.process is not None:
@@ -125,6 +133,7 @@ def examine(
     return Findings(
         found.mask, found.step, found.mesh, found.agreement, found.gates, difference, resin,
         before, wanted, luminance, plain, baseline, printing,
+        confidence,
     )  # fmt: skip
 
 

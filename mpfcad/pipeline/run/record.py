@@ -18,7 +18,7 @@ from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits
 from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
-from mpfcad.record import Checks, build_gates, build_verification
+from mpfcad.record import Checks, build_gates, build_verification, confidence_gate
 from mpfcad.report import Evidence
 from mpfcad.store import code_hash, versions
 
@@ -60,6 +60,8 @@ def build_record(
         contrast_marginal=job.gates.contrast_marginal,
         print_limits=job_print_limits(job),
     )
+    if findings.confidence is not None and job.gates.confidence_min is not None:
+        gates.insert(1, confidence_gate(findings.confidence, job.gates.confidence_min))
     return build_verification(
         name=job.name,
         gates=gates,
@@ -75,6 +77,7 @@ def build_record(
             job.mask.viewing_distance_mm,
             findings.luminance.mean_luminance.value,
         ),
+        confidence=findings.confidence,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),

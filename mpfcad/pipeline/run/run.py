@@ -8,6 +8,7 @@ from mpfcad.export import canonical_json, export_folder, write_manifest, write_t
 from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.measure import Checkpoints
+from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
@@ -63,7 +64,7 @@ def run_job(
     browser = _browser() if pdf else None
     effort = effort or job.trace.effort
     progress.stage(f"reading {job_file}")
-    plan = read_plan(job, job_file)
+    plan = read_plan(with_covariance(job, job_file), job_file)
     for table in plan.stack.tables.values():
         progress.note(table.table.summary())
     job = plan.job

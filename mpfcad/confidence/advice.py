@@ -1,0 +1,111 @@
+"""What to measure next, and how much each measurement would narrow the contrast."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.confidence.factor import Factor
+from mpfcad.confidence.probability import likely_contrast
+from mpfcad.confidence.response import Response
+
+
+class Measurement(NamedTuple):
+    """A measurement and the standard uncertainty that it leaves, by the end of an input's name.
+
+    A relative one is a share of the input's value.
+    """
+
+    name: str
+    leaves: dict[str, tuple[float, bool]]
+
+
+#: What laboratories do, with the uncertainties that they state.
+MEASUREMENTS = (
+    Measurement("stylus traces of printed coupons", {"resin_percent": (2.0, False)}),
+    Measurement("place of the print against the lamps", {"registration_mm": (0.05, False)}),
+    Measurement(
+        "depth of the cavity and height of the lamps by a gauge",
+        {
+            "plate_thickness_mm": (0.02, False),
+            "thickness_mm": (0.05, False),
+            "lamp_height_mm": (0.05, False),
+            "lamp_radius_mm": (0.01, False),
+        },
+    ),
+    Measurement("BTDF of the top sheet", {"top_sheet_sigma": (0.02, True)}),
+    Measurement("BTDF of the bottom sheet", {"bottom_sheet_sigma": (0.02, True)}),
+    Measurement(
+        "BRDF of the reflector by a goniometer",
+        {"specular_fraction": (0.02, False), "reflector_reflectance": (0.003, False)},
+    ),
+    Measurement(
+        "flux through the sheets by an integrating sphere", {"transmission": (0.002, False)}
+    ),
+    Measurement("index of film and plate by a refractometer", {"index": (0.001, False)}),
+    Measurement(
+        "BTDF of the plate",
+        {
+            "scattering_per_mm": (0.02, True),
+            "asymmetry": (0.005, False),
+            "absorption_per_mm": (0.05, True),
+        },
+    ),
+    Measurement(
+        "reflectance of a lamp by an integrating sphere", {"lamp_reflectance": (0.01, False)}
+    ),
+    Measurement(
+        "groove depth and film thickness by a section",
+        {"depth_um": (0.05, False), "base_um": (1.0, False)},
+    ),
+)
+
+
+def rank_measurements(
+    response: Response,
+    factors: list[Factor],
+    steps: NDArray[np.float64],
+    limit: float,
+    seed: int,
+) -> list[dict[str, Any]]:
+    """Return measurements, the one that narrows the contrast most first, in outside names.
+
+    Each: what it measures; the width of 95 % of the contrasts after it; the probability to meet the
+    limit if it confirms the values as stated.
+    """
+    before = _spread(response.shrunk().contrast(steps))
+    found = []
+    for one in MEASUREMENTS:
+        narrowed = steps.copy()
+        named = []
+        for i, factor in enumerate(factors):
+            left = _left(one, factor)
+            if left is not None and left < factor.sigma:
+                narrowed[:, i] *= left / factor.sigma
+                named.append(factor.name)
+        if not named:
+            continue
+        after = likely_contrast(response, narrowed, limit, seed)
+        width = after.contrast.high - after.contrast.low
+        found.append(
+            {
+                "measurement": one.name,
+                "inputs": named,
+                "contrast_spread_before": before,
+                "contrast_spread": width,
+                "probability_if_confirmed": after.probability.value,
+            }
+        )
+    return sorted(found, key=lambda row: (row["contrast_spread"], row["measurement"]))
+
+
+def _left(one: Measurement, factor: Factor) -> float | None:
+    for end, (size, is_relative) in one.leaves.items():
+        if factor.name.endswith(end):
+            return size * abs(factor.value) if is_relative else size
+    return None
+
+
+def _spread(contrast: NDArray[np.float64]) -> float:
+    low, high = np.quantile(contrast, [0.025, 0.975])
+    return float(high - low)

@@ -1,0 +1,1 @@
+"""Which inputs of a job are not known exactly, traces with them changed, and what follows."""

@@ -1,0 +1,171 @@
+"""A job's scene with some inputs changed by steps of their standard uncertainty."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mpfcad.backlight import Stack
+from mpfcad.backlight.width import limits_of, width_of
+from mpfcad.confidence import STEP, Factor
+from mpfcad.errors import InputError
+from mpfcad.film import PrismFilm
+from mpfcad.job import ConfidenceTable
+from mpfcad.measure import Lit, light_film
+from mpfcad.pipeline.plan.plan import Plan
+
+if TYPE_CHECKING:
+    from mpfcad.optics.solid.mesh import FilmMesh
+
+#: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
+RESIN, SHIFT, DEPTH, BASE = "resin_percent", "registration_mm", "depth_um", "base_um"
+_REASON = {
+    RESIN: "resin in all grooves; the built-in process is known no better",
+    SHIFT: "place of the film against the lamps",
+    DEPTH: "depth of the prisms, at equal fill",
+    BASE: "thickness below the prisms",
+}
+#: Fill up to where a groove is as good as full.
+_FULL = 0.999
+
+
+@dataclass(frozen=True, eq=False)
+class Variants:
+    """The scenes of a job with its inputs changed.
+
+    Attributes
+    ----------
+    plan, stack
+        the job; its backlight with the meshes that it needs in place
+    folder
+        where changed films are written
+    table
+        the job's `[confidence]`
+    """
+
+    plan: Plan
+    stack: Stack
+    folder: Path
+    table: ConfidenceTable
+
+    @property
+    def has_grooves(self) -> bool:
+        """Whether resin, depth and base can be changed: grooves as designed, filled, clear."""
+        drawn, piece = self.plan.drawn, self.plan.piece
+        return drawn is piece and piece.profile == "filled" and not self.stack.resin_scatters
+
+    def factors(self) -> list[Factor]:
+        """Return the inputs that are not known exactly and change the scene."""
+        found = [*self._of_stack(), *self._of_film()]
+        stated = self.table.sigmas()
+        unknown = sorted(set(stated) - {factor.name for factor in found})
+        if unknown:
+            raise InputError(
+                f"confidence.covariance: {unknown[0]}: expected inputs of this job that are not "
+                f"exact: {', '.join(factor.name for factor in found)}"
+            )
+        return [
+            replace(f, sigma=stated[f.name], source="covariance") if f.name in stated else f
+            for f in found
+        ]
+
+    def left_out(self) -> list[str]:
+        """Return the inputs that are not carried, with the reason."""
+        if self.has_grooves:
+            return []
+        why = "of this kind of film no changed one is made"
+        return [f"{name}: {why}" for name in (RESIN, DEPTH, BASE)]
+
+    def _of_stack(self) -> list[Factor]:
+        found = []
+        scene = self._lowered(self.stack)
+        for name, quantity in self.stack.quantity.items():
+            width = width_of(self.stack, name)
+            if width.sigma == 0:
+                continue
+            factor = Factor(
+                name, quantity.value, width.sigma, *limits_of(self.stack, name), width.source
+            )
+            # A number that this stack does not use leaves the scene as it is.
+            if self._lowered(self._stack({name: -STEP * width.sigma})) != scene:
+                found.append(factor)
+        return found
+
+    @cached_property
+    def _mesh(self) -> "FilmMesh":
+        from mpfcad.optics.solid.mesh import read_film_mesh
+
+        return read_film_mesh(self.folder / "film.stl")
+
+    def _lowered(self, stack: Stack) -> list[object]:
+        """Return what the tracer would read of a stack's elements, to be compared."""
+        from mpfcad.backlight.lower import lower_stack
+
+        found: list[object] = []
+        for element in lower_stack(stack, self._mesh, self.plan.offset):
+            for name, value in vars(element).items():
+                plain = isinstance(value, int | float | str | tuple)
+                found.append((name, value if plain else _content(value)))
+        return found
+
+    def _stack(self, change: Mapping[str, float]) -> Stack:
+        """Return the stack with numbers changed by so much."""
+        quantity = self.stack.quantity
+        values = {
+            name: replace(quantity[name], value=quantity[name].value + by)
+            for name, by in change.items()
+        }
+        return self.stack.with_values(values) if values else self.stack
+
+    def _of_film(self) -> list[Factor]:
+        sizes = {SHIFT: self.table.registration_mm}
+        if self.has_grooves:
+            sizes |= {DEPTH: self.table.depth_um, BASE: self.table.base_um}
+            if float(np.max(self.plan.piece.fill_fraction)) > 0:
+                sizes[RESIN] = self.table.resin_percent
+        if np.ptp(self.plan.piece.curvature) == 0:
+            # Alike grooves are nowhere wrong.
+            del sizes[SHIFT]
+        low = {RESIN: -100.0, BASE: -self.plan.piece.base * 1000 * 0.9}
+        low[DEPTH] = -self.plan.piece.groove.depth * 1000 * 0.9
+        return [
+            Factor(
+                name, 0.0, size, low.get(name, -np.inf), source=_REASON[name],
+                is_curved=name == RESIN,
+            )
+            for name, size in sizes.items()
+            if size > 0
+        ]  # fmt: skip
+
+    def light(self, steps: Mapping[Factor, float]) -> Lit:
+        """Return the scene with inputs changed by steps of their sigma."""
+        change = {f.name: float(f.within(np.array(z))) * f.sigma for f, z in steps.items()}
+        film = {name: change.pop(name) for name in _REASON if name in change}
+        mesh, shift = self._film(film), film.get(SHIFT, 0.0)
+        return light_film(self._stack(change), mesh, self.plan.offset + shift)
+
+    def _film(self, change: Mapping[str, float]) -> Path:
+        """Return the mesh of the film as shipped, or of one written with its making changed."""
+        if not {RESIN, DEPTH, BASE} & set(change):
+            return self.folder / "film.stl"
+        from mpfcad.cad import write_stl
+
+        path = self.folder / "changed.stl"
+        write_stl(self._changed(change), path, self.plan.job.cad.angle_tolerance)
+        return path
+
+    def _changed(self, change: Mapping[str, float]) -> PrismFilm:
+        piece = self.plan.piece
+        groove = replace(piece.groove, depth=piece.groove.depth + change.get(DEPTH, 0.0) / 1000)
+        fill = piece.fill_fraction * (1 + change.get(RESIN, 0.0) / 100)
+        curvature = groove.curvature_of_fill(np.clip(fill, 0, _FULL))
+        base = piece.base + change.get(BASE, 0.0) / 1000
+        return replace(piece, groove=groove, base=base, curvature=curvature)
+
+
+def _content(value: object) -> object:
+    """Return an array's bytes; what else is no plain value is itself or another."""
+    return value.tobytes() if isinstance(value, np.ndarray) else id(value)

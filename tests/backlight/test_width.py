@@ -1,0 +1,51 @@
+"""Standard uncertainties of a stack's numbers: stated, from a range, or of their kind."""
+
+import numpy as np
+import pytest
+
+from mpfcad.backlight import read_stack
+from mpfcad.backlight.width import width_of
+from mpfcad.errors import InputError
+
+STACK = "thesis-32in-mpf"
+
+
+def test_numbers_have_the_width_of_their_kind():
+    stack = read_stack(STACK)
+    sizes = {name: width_of(stack, name).sigma for name in stack.quantity}
+    assert sizes["thickness_mm"] == sizes["lamp_height_mm"] == 0.3
+    assert sizes["plate_thickness_mm"] == 0.1
+    assert sizes["top_sheet_sigma"] == pytest.approx(0.08 * stack["top_sheet_sigma"])
+    assert sizes["film_index"] == sizes["reflector_reflectance"] == 0.01
+    assert sizes["reflector_specular_fraction"] == 0.1
+    for exact in ("lamp_count", "lamp_pitch_mm", "panel_width_mm", "meter_spot_mm"):
+        assert sizes[exact] == 0
+
+
+def test_a_stated_width_and_a_range_stand_above_it():
+    change = {
+        "film_index": {"value": 1.55, "sigma": 0.002},
+        "thickness_mm": {"value": 20.0, "range": [19.0, 21.0]},
+        "lamp_height_mm": {"value": 3.5, "sigma": 0},
+    }
+    stack = read_stack(STACK, overrides=change)
+    assert width_of(stack, "film_index") == (0.002, "stated")
+    assert width_of(stack, "thickness_mm").sigma == pytest.approx(2 / np.sqrt(12))
+    assert width_of(stack, "lamp_height_mm").sigma == 0
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ({"value": 20, "sigma": -1}, "sigma: -1: expected a number of 0 or more"),
+        ({"value": 20, "sigma": "x"}, "sigma: x: expected a number"),
+        ({"value": 20, "range": [21, 22]}, "expected to hold the value 20"),
+        ({"value": 20, "range": 3}, r"range: 3: expected \[lowest, highest\]"),
+        ({"value": 20, "range": [19, 21], "sigma": 1}, "sigma and range: expected one"),
+        ({"value": 20, "width": 1}, "expected keys: range, sigma, source, tag, value"),
+    ],
+)
+def test_a_wrong_width_is_refused(entry, says):
+    with pytest.raises(InputError, match=says) as error:
+        read_stack(STACK, overrides={"thickness_mm": entry})
+    assert "thickness_mm" in str(error.value)

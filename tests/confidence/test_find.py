@@ -1,0 +1,149 @@
+"""The confidence of a job: its inputs, changed films, figures against full traces."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mpfcad.confidence import draw_steps
+from mpfcad.errors import InputError
+from mpfcad.job import build_job
+from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+from mpfcad.pipeline.confidence.covariance import with_covariance
+from mpfcad.pipeline.confidence.find import find_confidence
+from mpfcad.pipeline.confidence.variant import Variants
+from mpfcad.pipeline.plan.plan import read_plan
+from mpfcad.pipeline.progress import SILENT
+from mpfcad.pipeline.run.make import write_cad
+
+#: All but these are exact here.
+WIDE = {"top_sheet_sigma": 0.35, "thickness_mm": 20.0}
+EXACT = """
+lamp_radius_mm lamp_height_mm lamp_reflectance reflector_reflectance plate_index
+reflector_specular_fraction plate_thickness_mm bottom_sheet_sigma sheet_index
+sheet_transmission film_index
+""".split()  # noqa: SIM905
+
+
+def job(tmp_path, **tables):
+    from mpfcad.backlight import read_stack
+
+    stack = read_stack("thesis-32in-mpf")
+    override = {name: {"value": stack[name], "sigma": 0} for name in EXACT}
+    override["lamp_pitch_mm"] = 8.0
+    document = {
+        "schema": 1,
+        "name": "c",
+        "map": {"rows": [[0.0, 64.0], [4.0, 52.0], [8.0, 64.0]]},
+        "stack": {"preset": "thesis-32in-mpf", "override": override},
+        **tables,
+    }
+    return build_job(document, str(tmp_path / "job.toml"))
+
+
+@pytest.fixture
+def made(tmp_path):
+    def make(**tables):
+        plan = read_plan(job(tmp_path, **tables), tmp_path / "job.toml")
+        write_cad(plan, tmp_path, ("stl",), SILENT)
+        return plan, Variants(plan, plan.stack, tmp_path, plan.job.confidence_table)
+
+    return make
+
+
+def test_only_inputs_that_change_the_scene_are_carried(made):
+    _, variants = made(confidence={"base_um": 0.0})
+    names = {factor.name for factor in variants.factors()}
+    # A clear plate has no scattering; the meter and the panel are exact.
+    assert names == {*WIDE, "resin_percent", "registration_mm", "depth_um"}
+    assert variants.left_out() == []
+
+
+def test_a_changed_film_has_that_much_more_resin(made):
+    plan, variants = made()
+    changed = variants._changed({"resin_percent": 10.0})
+    assert changed.fill_fraction == pytest.approx(1.1 * plan.piece.fill_fraction, rel=1e-6)
+    deeper = variants._changed({"depth_um": 1.0, "base_um": 5.0})
+    assert deeper.thickness == pytest.approx(plan.piece.thickness + 0.006)
+    assert deeper.fill_fraction == pytest.approx(plan.piece.fill_fraction, rel=1e-6)
+
+
+def test_a_film_of_cells_is_carried_without_its_making_and_that_is_said(made):
+    _, variants = made(film={"cell": "pyramid"}, map={"curvature_per_mm": 60.0})
+    assert [text.split(":")[0] for text in variants.left_out()] == [
+        "resin_percent", "depth_um", "base_um",
+    ]  # fmt: skip
+    assert "resin_percent" not in {factor.name for factor in variants.factors()}
+
+
+def test_confidence_is_found(made, tmp_path):
+    plan, _ = made(confidence={"paths_million": 0.6, "depth_um": 0.0, "base_um": 0.0})
+    lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
+    luminance = luminance_over_pitch(lit, TraceRun(seed=1), half_width_goal=0.02)
+    found = find_confidence(tmp_path, plan, luminance, 2, SILENT)
+    for name, limit in (("pass", 0.012), ("marginal", 0.018)):
+        row = found["probability"][name]
+        assert row["limit"] == limit
+        assert 0 <= row["ci95"][0] <= row["value"] <= row["ci95"][1] <= 1
+    assert found["probability"]["pass"]["value"] <= found["probability"]["marginal"]["value"]
+    assert sum(row["share_of_variance"] for row in found["inputs"]) == pytest.approx(1)
+    assert {row["name"] for row in found["inputs"]} == {*WIDE, "resin_percent", "registration_mm"}
+    assert found["measure_next"] and found["left_out"] == []
+    # Nothing is left beside the film.
+    assert not (tmp_path / "changed.stl").exists()
+
+
+def test_a_finite_panel_is_refused(made, tmp_path):
+    plan, _ = made()
+    stack = replace(plan.stack, extent="panel")
+    with pytest.raises(InputError, match=r'confidence: .* expected tubes and extent = "pitch"'):
+        find_confidence(tmp_path, replace(plan, stack=stack), None, 1, SILENT)
+
+
+def test_a_covariance_goes_into_the_job(tmp_path):
+    (tmp_path / "c.csv").write_text("top_sheet_sigma,thickness_mm\n4e-4,1e-3\n1e-3,0.04\n")
+    read = with_covariance(job(tmp_path, confidence={"covariance": "c.csv"}), tmp_path / "job.toml")
+    assert read.confidence.covariance is None
+    assert read.confidence.sigmas() == pytest.approx({"top_sheet_sigma": 0.02, "thickness_mm": 0.2})
+    plan = read_plan(read, tmp_path / "job.toml")
+    write_cad(plan, tmp_path, ("stl",), SILENT)
+    factors = Variants(plan, plan.stack, tmp_path, read.confidence).factors()
+    sizes = {factor.name: factor.sigma for factor in factors}
+    assert sizes["thickness_mm"] == pytest.approx(0.2)
+
+
+def test_a_covariance_of_no_input_is_refused(made):
+    table = {"names": ["lamp_count"], "matrix": [[1.0]]}
+    _, variants = made(confidence=table)
+    with pytest.raises(InputError, match=r"covariance: lamp_count: expected inputs .*thickness_mm"):
+        variants.factors()
+
+
+@pytest.mark.slow
+def test_confidence_is_the_same_again_at_any_number_of_threads(made, tmp_path):
+    plan, _ = made(confidence={"paths_million": 0.6})
+    lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
+    luminance = luminance_over_pitch(lit, TraceRun(seed=1), half_width_goal=0.02)
+    one, two = (find_confidence(tmp_path, plan, luminance, n, SILENT) for n in (1, 2))
+    assert one == two
+
+
+@pytest.mark.slow
+def test_harmonics_follow_full_traces_with_drawn_inputs(made, tmp_path):
+    from mpfcad.pipeline.confidence.find import _reading, _Runs
+
+    plan, variants = made()
+    lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
+    luminance = luminance_over_pitch(lit, TraceRun(seed=1, threads=2), half_width_goal=0.002)
+    factors = variants.factors()
+    runs = _Runs(variants, factors, _reading(luminance), 1, 2, SILENT)
+    response = runs.respond(6.5).shrunk()
+    steps = draw_steps(factors, np.eye(len(factors)), 9, 12)
+    runs.seed = 2
+    off = []
+    for z in steps:
+        found, spread = runs._trace(z, 48)
+        told = response.start + z @ response.slope + z**2 @ response.bend
+        off.append((found - told)[:2] / np.sqrt(np.diag(spread)[:2]))
+    # Noise of both traces and what the model leaves out: within twice the noise of one.
+    assert np.sqrt(np.mean(np.square(off))) < 2.0
