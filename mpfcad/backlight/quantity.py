@@ -153,5 +153,6 @@ def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | N
 
 
 def _is_number(value: object) -> TypeGuard[float]:
-    is_plain = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_plain and math.isfinite(value)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return math.isfinite(value)

@@ -10,6 +10,10 @@ GATES = {
         "Lamp-Mura contrast",
         "(L_{max} − L_{min}) / (L_{max} + L_{min}) over one lamp pitch",
     ),
+    "confidence": (
+        "Confidence in the real backlight",
+        "probability that the contrast is accepted with all inputs' widths (docs/confidence.md)",
+    ),
     "mask_file_as_written": (
         "Mask: files read back",
         "panel, apertures, text and furniture of each file, by another library than wrote it",
