@@ -6,8 +6,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.fuzz.reader import readers
-from tests.fuzz.run import fuzz, limit_memory
+from .reader import readers
+from .run import fuzz, limit_memory
 
 
 def main() -> int:

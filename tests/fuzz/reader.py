@@ -118,7 +118,7 @@ def _manifest(path: Path) -> None:
     folder.mkdir(exist_ok=True)
     path.replace(folder / MANIFEST)
     # Sealed again where it is JSON: what lies behind the seal is to be reached.
-    with suppress(ValueError, RecursionError, TypeError):
+    with suppress(ValueError, RecursionError, TypeError, AttributeError):
         text = (folder / MANIFEST).read_bytes()
         manifest = json.loads(text.replace(b'"files": {}', b'"files": {"in.json": 0}'))
         (folder / MANIFEST).write_bytes(encoded(canonical_json(_sealed(manifest))))

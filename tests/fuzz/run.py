@@ -16,8 +16,9 @@ from pathlib import Path
 
 from mpfcad.cli.stream import one_line
 from mpfcad.errors import ExportError, InputError
-from tests.fuzz.mutate import mutate
-from tests.fuzz.reader import Reader
+
+from .mutate import mutate
+from .reader import Reader
 
 #: Longest time of one file [s], and memory of the process [bytes].
 TIME_LIMIT, MEMORY_LIMIT = 10.0, 6_000_000_000

@@ -3,8 +3,9 @@
 import pytest
 
 from mpfcad.errors import InputError
-from tests.fuzz.reader import readers
-from tests.fuzz.run import fuzz
+
+from .reader import readers
+from .run import fuzz
 
 READERS = readers()
 
