@@ -28,9 +28,12 @@ def command(
 
     changed: str | None = None
     verification: dict[str, Any] = {}
+    rounded: list[Any] = []
     try:
         with Terminal() as terminal:
-            verification = verify_export(folder, threads=threads, progress=terminal)
+            verification = verify_export(
+                folder, threads=threads, progress=terminal, rounded=rounded
+            )
     except ExportError as error:
         changed = str(error)
     if junit is not None:
@@ -41,9 +44,20 @@ def command(
         print(f"mpfcad: {one_line(changed)}", file=sys.stderr)
         return CHANGED
     if not json:
-        print("verified: every hash holds, and the figures come out the same bit for bit")
+        print(f"verified: every hash holds, and the figures come out the same{_bits(rounded)}")
         print_verdict(verification, folder)
     return exit_code(verification["verdict"])
+
+
+def _bits(rounded: list[Any]) -> str:
+    """Return in words how exactly the figures came out."""
+    if not rounded:
+        return " bit for bit"
+    most = max(one.share for one in rounded)
+    return (
+        f"; {len(rounded)} of them differ in their last bits, by up to {most:.1g} of their value, "
+        "as another processor rounds"
+    )
 
 
 def _result(verification: dict[str, Any], changed: str | None) -> dict[str, Any]:

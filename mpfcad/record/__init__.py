@@ -6,7 +6,7 @@ values; `describe_…` does the same for single measures. Nothing here draws or 
 
 from mpfcad.gate import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.record.cell import describe_cell
-from mpfcad.record.difference import find_difference
+from mpfcad.record.difference import Rounded, compare_records
 from mpfcad.record.file import ResinCheck
 from mpfcad.record.junit import junit_report, write_junit
 from mpfcad.record.measurement import (
@@ -42,8 +42,10 @@ __all__ = [
     "Gate",
     "Outcome",
     "ResinCheck",
+    "Rounded",
     "build_gates",
     "build_verification",
+    "compare_records",
     "confidence_gate",
     "describe_angular",
     "describe_camera",
@@ -56,7 +58,6 @@ __all__ = [
     "describe_panel",
     "describe_uniformity",
     "exit_code",
-    "find_difference",
     "in_order",
     "junit_report",
     "published_schema",

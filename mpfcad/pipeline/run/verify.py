@@ -2,6 +2,7 @@
 
 import json
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.run import REPORT, VERIFICATION
+from mpfcad.record import Rounded, compare_records
 from mpfcad.store import Store, code_hash, versions
 
 #: Provenance that only the run itself could know; it is protected by the hash alone.
@@ -17,9 +19,16 @@ OF_THE_RUN = ("inputs_sha256", "versions", "code_sha256", "seed", "threads", "co
 
 
 def verify_export(
-    folder: Path, *, threads: int | None = None, progress: Progress = SILENT
+    folder: Path,
+    *,
+    threads: int | None = None,
+    progress: Progress = SILENT,
+    rounded: list[Rounded] | None = None,
 ) -> dict[str, Any]:
     """Return verification.json of an export after finding it again from its files.
+
+    `rounded` gets the figures whose last bits are other ones here: what goes through a library's
+    linear algebra or trigonometry rounds otherwise on another processor.
 
     Raises
     ------
@@ -37,23 +46,39 @@ def verify_export(
         raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
     stored = json.loads((folder / VERIFICATION).read_text("utf-8"))
     try:
-        found, pages = _find_again(folder, stored, threads, progress)
-        found = json.loads(canonical_json(found))
-    except (MpfcadError, LookupError, TypeError, ValueError) as error:
-        maker = _maker(stored.get("provenance", {}))
-        if not maker:
-            raise
-        reason = error if isinstance(error, MpfcadError) else f"not read by this version: {error!r}"
+        _check(folder, stored, threads, progress, rounded)
+    except (MpfcadError, LookupError, TypeError, ValueError, AttributeError) as error:
+        given = stored.get("provenance") if isinstance(stored, dict) else None
+        maker = _maker(given if isinstance(given, dict) else {})
+        if isinstance(error, ExportError):
+            raise ExportError(f"{error}{maker}") from error
+        reason = error if isinstance(error, MpfcadError) else f"not read as a record: {error!r}"
         raise ExportError(f"{folder / VERIFICATION}: {reason}{maker}") from error
-    _compare(folder, stored, found)
-    _compare_pages(folder, pages, _maker(stored["provenance"]))
-    return stored
+    return dict(stored)
+
+
+def _check(
+    folder: Path,
+    stored: dict[str, Any],
+    threads: int | None,
+    progress: Progress,
+    rounded: list[Rounded] | None,
+) -> None:
+    """Find record and page again, and compare."""
+    found, draw = _find_again(folder, stored, threads, progress)
+    comparison = compare_records(stored, json.loads(canonical_json(found)))
+    if comparison.difference:
+        raise ExportError(f"{folder / VERIFICATION}: {comparison.difference}")
+    if rounded is not None:
+        rounded += comparison.rounded
+    # Of the stored record: where the last bits are another processor's, the page has them too.
+    _compare_pages(folder, draw(stored))
 
 
 def _find_again(
     folder: Path, stored: dict[str, Any], threads: int | None, progress: Progress
-) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return the record, and the bytes of what is drawn from it, as this version makes them."""
+) -> tuple[dict[str, Any], Callable[[dict[str, Any]], dict[str, bytes]]]:
+    """Return the record as this version finds it, and what draws the pages of a record."""
     from mpfcad.pipeline.effort import TraceSetting
     from mpfcad.pipeline.plan.plan import restore_plan
     from mpfcad.pipeline.run.examine import examine
@@ -69,31 +94,26 @@ def _find_again(
         given = stored["provenance"]
         provenance = {key: given[key] for key in OF_THE_RUN if key in given}
         record = build_record(folder, plan, findings, setting, provenance)
-    progress.stage("drawing the report again")
-    with tempfile.TemporaryDirectory() as temporary:
-        write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
-        pages = {path.name: path.read_bytes() for path in sorted(Path(temporary).iterdir())}
-    evidence = gather_evidence(folder, plan, mask, findings)
-    pages[REPORT] = build_page(json.loads(canonical_json(record)), evidence).encode()
-    return record, pages
+
+    def draw(record: dict[str, Any]) -> dict[str, bytes]:
+        progress.stage("drawing the report again")
+        with tempfile.TemporaryDirectory() as temporary:
+            write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
+            pages = {path.name: path.read_bytes() for path in sorted(Path(temporary).iterdir())}
+        evidence = gather_evidence(folder, plan, mask, findings)
+        pages[REPORT] = build_page(record, evidence).encode()
+        return pages
+
+    return record, draw
 
 
-def _compare(folder: Path, stored: dict[str, Any], found: dict[str, Any]) -> None:
-    from mpfcad.record import find_difference
-
-    difference = find_difference(stored, found)
-    if difference is None:
-        return
-    raise ExportError(f"{folder / VERIFICATION}: {difference}{_maker(stored['provenance'])}")
-
-
-def _compare_pages(folder: Path, pages: dict[str, bytes], maker: str) -> None:
+def _compare_pages(folder: Path, pages: dict[str, bytes]) -> None:
     """Compare what a person looks at, byte for byte: a forged page may carry a true hash."""
     for name, content in pages.items():
         if (folder / name).read_bytes() != content:
             raise ExportError(
                 f"{folder / name}: differs from what the record and the files give, though its "
-                f"hash is that of the manifest{maker}"
+                "hash is that of the manifest"
             )
 
 
