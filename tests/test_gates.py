@@ -185,9 +185,9 @@ def test_a_mask_that_is_as_written_but_not_what_was_wanted_fails(folder, plan, m
     """The mask of another curvature through and through: its ratios alone are not wanted."""
     other = replace(plan, panel=replace(plan.panel, curvature=plan.panel.curvature - 1.0))
     mask = plan_mask(other)
-    write_mask(mask, folder / "mask.oas", tool_of(plan, mask))
     wanted = plan_mask(plan).wanted_ratio
     monkeypatch.setattr(type(mask), "wanted_ratio", property(lambda self: wanted))
+    write_mask(mask, folder / "mask.oas", tool_of(plan, mask))
     assert failed(outcomes(folder, plan, mask)) == {
         "mask_aperture_ratio_error",
         "mask_mesh_curvature_difference_per_mm",
