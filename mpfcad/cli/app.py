@@ -14,6 +14,7 @@ from mpfcad.cli import (
     design,
     doctor,
     init,
+    judge,
     mask,
     measure,
     mould,
@@ -73,7 +74,7 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    stacks, cache, init, doctor,
+    judge, stacks, cache, init, doctor,
 )  # fmt: skip
 
 for command in _COMMANDS:

@@ -32,6 +32,7 @@ GROUPS = {
         "view": "mpfcad view exports",
     },
     "Measure prints": {
+        "judge": "mpfcad judge luminance.csv --against exports/patterned-16mm",
         "calibrate": "mpfcad calibrate trace.csv --aperture 0.1 --out process.toml",
     },
     "Housekeeping": {

@@ -1,0 +1,164 @@
+"""`mpfcad judge`: a measured luminance, curve or image, judged as a trace is."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mpfcad.cli.option import Json, Seed
+
+if TYPE_CHECKING:
+    from mpfcad.measure.observed import Photo
+
+
+def command(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Curve (CSV) or image (TIFF, FITS, EXR, CSV).")
+    ],
+    against: Annotated[
+        Path | None, typer.Option("--against", metavar="EXPORT", help="A predicted luminance.")
+    ] = None,
+    pitch_mm: Annotated[
+        float | None, typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch [default: found].")
+    ] = None,
+    lamp_at_mm: Annotated[
+        float | None, typer.Option("--lamp-at-mm", metavar="MM", help="A lamp's place in the file.")
+    ] = None,
+    spots: Annotated[bool, typer.Option("--spots", help="LEDs: contrast over a cell.")] = False,
+    cell_mm: Annotated[
+        str | None, typer.Option("--cell-mm", metavar="X,Y", help="Its size [default: found].")
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
+    ] = None,
+    pixel_mm: Annotated[
+        float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
+    ] = None,
+    cd_m2_per_count: Annotated[
+        float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")
+    ] = 1.0,
+    dark: Annotated[Path | None, typer.Option("--dark", help="Image to take off.")] = None,
+    flat: Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")] = None,
+    crop: Annotated[
+        str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")
+    ] = None,
+    rotation_deg: Annotated[
+        float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
+    ] = 0.0,
+    limit: Annotated[
+        float | None, typer.Option("--limit", help="Of the contrast [default: export's, or 0.012].")
+    ] = None,
+    marginal: Annotated[
+        float | None, typer.Option("--marginal", help="[default: export's, or 0.018].")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE.html", help="Write a page.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.json", help="Write the record.")
+    ] = None,
+    seed: Seed = 1,
+    json: Json = False,
+) -> int:
+    """Judge a measured luminance by the same code and gates as a trace."""
+    from mpfcad.cli.sign import print_json
+    from mpfcad.errors import InputError
+    from mpfcad.gate import exit_code
+    from mpfcad.pipeline.judge import Judging, gate_of, judge_luminance
+
+    for name, value in (("--pitch-mm", pitch_mm), ("--pixel-mm", pixel_mm),
+                        ("--cd-m2-per-count", cd_m2_per_count)):  # fmt: skip
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"{name}: {value:g}: expected above 0")
+    judging = Judging(
+        _photo(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
+        _unit(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
+    )  # fmt: skip
+    record = judge_luminance(file, judging)
+    _write(record, out, page)
+    if json:
+        print_json(record)
+    else:
+        _print(record)
+    return exit_code(gate_of(record).outcome)
+
+
+def _photo(
+    pixel: float | None, scale: float, dark: Path | None, flat: Path | None, crop: str | None,
+    rotation_deg: float,
+) -> "Photo | None":  # fmt: skip
+    from mpfcad.errors import InputError
+    from mpfcad.measure.observed import Photo
+    from mpfcad.units import deg
+
+    if pixel is None:
+        return None
+    box = None
+    if crop is not None:
+        try:
+            left, top, right, bottom = (int(part) for part in crop.split(","))
+        except ValueError:
+            raise InputError(f"--crop: {crop!r}: expected four whole numbers L,T,R,B") from None
+        box = (left, top, right, bottom)
+    return Photo(pixel, scale, dark, flat, box, rotation_deg * deg)
+
+
+def _unit(text: str | None) -> str | None:
+    from mpfcad.film import parse_units
+
+    return None if text is None else parse_units(text)[0]
+
+
+def _pair(text: str | None) -> tuple[float, float] | None:
+    from mpfcad.errors import InputError
+
+    if text is None:
+        return None
+    try:
+        across, along = (float(part) for part in text.split(","))
+        if min(across, along) <= 0:
+            raise ValueError
+    except ValueError:
+        raise InputError(f"--cell-mm: {text!r}: expected X,Y above 0") from None
+    return across, along
+
+
+def _write(record: dict[str, Any], out: Path | None, page: Path | None) -> None:
+    """Write record and page, each whole or not at all."""
+    from mpfcad.errors import InputError
+    from mpfcad.export import canonical_json
+    from mpfcad.report.page.judge_page import write_judge_page
+
+    try:
+        if out is not None:
+            part = out.with_name(f".{out.name}.part")
+            part.write_text(canonical_json(record), "utf-8")
+            part.replace(out)
+        if page is not None:
+            part = page.with_name(f".{page.name}.part")
+            write_judge_page(part, record)
+            part.replace(page)
+    except OSError as error:
+        raise InputError(f"{out or page}: cannot be written: {error.strerror or error}") from None
+
+
+def _print(record: dict[str, Any]) -> None:
+    print(record["reading"])
+    gate = record["gates"][0]
+    low, high = gate["ci95"]
+    print(f"{record['verdict']}: lamp-Mura contrast {gate['value']:.4f} [{low:.4f}, {high:.4f}], "
+          f"expected at most {gate['limit']:g} (marginal {gate['marginal_limit']:g})")  # fmt: skip
+    if record["kind"] == "stripes":
+        said = " (found)" if record["pitch_found"] else ""
+        print(f"lamp pitch {record['lamp_pitch_mm']:.5g} mm{said}, {record['pitches']} whole "
+              f"pitches, a lamp at {record['lamp_at_mm']:.4g} mm")  # fmt: skip
+    else:
+        cell = record["cell"]
+        print(f"{record['cells']} cells of {cell['across_mm']:.5g} x {cell['along_mm']:.5g} mm")
+    mean = record["mean_luminance_cd_m2"]
+    print(f"mean luminance {mean['value']:.5g} cd/m2")
+    if "against" in record:
+        found = record["against"]
+        noise = found["expected_rms"]
+        print(f"against {found['name']}: luminance {found['luminance_ratio']:.4g} times, curves "
+              f"differ by {found['residual_rms']:.4f} rms, noise {noise:.4f}")  # fmt: skip

@@ -1,0 +1,21 @@
+"""Luminance that a meter or a camera measured: read, folded over the lamps, judged as a trace."""
+
+from mpfcad.measure.observed.cell import ObservedCell, observe_cell
+from mpfcad.measure.observed.curve import ObservedCurve, read_curve
+from mpfcad.measure.observed.image import LuminanceImage, Photo, curve_of_image, read_image
+from mpfcad.measure.observed.lamp import find_pitch
+from mpfcad.measure.observed.pitch import ObservedPitch, observe_pitch
+
+__all__ = [
+    "LuminanceImage",
+    "ObservedCell",
+    "ObservedCurve",
+    "ObservedPitch",
+    "Photo",
+    "curve_of_image",
+    "find_pitch",
+    "observe_cell",
+    "observe_pitch",
+    "read_curve",
+    "read_image",
+]

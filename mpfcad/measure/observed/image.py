@@ -1,0 +1,185 @@
+"""A camera's image as luminance: dark frame, flat field, crop and rotation taken into account."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.stylus.text import read_table
+from mpfcad.measure.observed.curve import ObservedCurve
+
+IMAGES = frozenset({".tif", ".tiff", ".fits", ".fit", ".fts", ".exr"})
+_FEWEST = 16
+
+
+@dataclass(frozen=True)
+class Photo:
+    """How an image becomes luminance.
+
+    Attributes
+    ----------
+    pixel
+        side of a pixel in the image's plane [mm]
+    scale
+        luminance of a count [cd/m²]
+    dark, flat
+        images taken off, and divided by (over its own mean)
+    crop
+        (left, top, right, bottom) in pixels, right and bottom excluded
+    rotation
+        [rad], counter-clockwise, from the image's x to across the lamps
+    """
+
+    pixel: float
+    scale: float = 1.0
+    dark: Path | None = None
+    flat: Path | None = None
+    crop: tuple[int, int, int, int] | None = None
+    rotation: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class LuminanceImage:
+    """Luminance (rows, columns) float64 [cd/m²], of pixels of a side [mm]; columns run across."""
+
+    luminance: NDArray[np.float64]
+    pixel: float
+    reading: str
+
+
+def is_image(path: Path) -> bool:
+    """Return whether a file is an image, or a matrix of more than three columns."""
+    if path.suffix.lower() in IMAGES:
+        return True
+    return path.is_file() and read_table(path).values.shape[1] > 3
+
+
+def read_image(path: Path, photo: Photo) -> LuminanceImage:
+    """Return the luminance in an image: TIFF, FITS, OpenEXR or a matrix in text.
+
+    Raises
+    ------
+    InputError
+        when a file cannot be read, frames differ in size, or counts are saturated.
+    """
+    counts, top = _read_counts(path)
+    words = [f"{counts.shape[1]} × {counts.shape[0]} pixels of {photo.pixel:g} mm"]
+    full = counts >= top if top is not None else np.zeros(counts.shape, bool)
+    dark = 0.0 if photo.dark is None else _read_counts(photo.dark)[0]
+    for name, file in (("dark", photo.dark), ("flat", photo.flat)):
+        if file is None:
+            continue
+        frame, _ = _read_counts(file)
+        if frame.shape != counts.shape:
+            raise InputError(
+                f"{file}: --{name}: {frame.shape[1]} × {frame.shape[0]} pixels: expected "
+                f"{counts.shape[1]} × {counts.shape[0]}, as {path.name}"
+            )
+        if name == "dark":
+            counts = counts - frame
+        else:
+            frame = frame - dark
+            if np.any(frame <= 0):
+                raise InputError(f"{file}: --flat: {frame.min():g} counts: expected above 0")
+            counts = counts * (frame.mean() / frame)
+        words.append(f"{name} {file.name}")
+    if photo.crop is not None:
+        left, top_row, right, bottom = photo.crop
+        rows, columns = counts.shape
+        if not (0 <= left < right <= columns and 0 <= top_row < bottom <= rows):
+            raise InputError(f"--crop: {photo.crop}: expected within {columns} × {rows} pixels")
+        counts = counts[top_row:bottom, left:right]
+        full = full[top_row:bottom, left:right]
+    if np.any(full):
+        raise InputError(
+            f"{path}: {np.count_nonzero(full):,} pixels at full scale: expected none saturated: "
+            "expose less, or --crop"
+        )
+    if photo.rotation:
+        counts = _turned(counts, photo.rotation)
+        words.append(f"turned by {np.degrees(photo.rotation):g}°")
+    if min(counts.shape) < _FEWEST or not np.all(np.isfinite(counts)) or counts.mean() <= 0:
+        raise InputError(
+            f"{path}: {counts.shape[1]} × {counts.shape[0]} pixels, mean {counts.mean():g}: "
+            f"expected {_FEWEST} × {_FEWEST} or more finite counts of positive mean"
+        )
+    words.append(f"{photo.scale:g} cd/m² a count")
+    reading = f"read {path.name}: {', '.join(words)}"
+    return LuminanceImage(counts * photo.scale, photo.pixel, reading)
+
+
+def curve_of_image(image: LuminanceImage) -> ObservedCurve:
+    """Return the mean luminance of each column, its error from the scatter along the lamps.
+
+    A slow gradient along the lamps is no noise: the scatter is that of differences of neighbours.
+    """
+    value = image.luminance
+    error = np.std(np.diff(value, axis=0), axis=0, ddof=1) / np.sqrt(2 * len(value))
+    position = (np.arange(value.shape[1], dtype=np.float64) + 0.5) * image.pixel
+    return ObservedCurve(position, value.mean(axis=0), np.maximum(error, 0.0), image.reading)
+
+
+def _read_counts(path: Path) -> tuple[NDArray[np.float64], float | None]:
+    """Return an image's counts, and the count of a saturated pixel where its type has one."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file: expected an image")
+    kind = path.suffix.lower()
+    try:
+        if kind in (".tif", ".tiff"):
+            import tifffile
+
+            array: Any = tifffile.imread(path)
+        elif kind in (".fits", ".fit", ".fts"):
+            from astropy.io import fits
+
+            array = fits.getdata(path)
+        elif kind == ".exr":
+            import OpenEXR
+
+            channels = OpenEXR.File(str(path), separate_channels=True).channels()
+            array = channels["Y"].pixels if "Y" in channels else np.stack(
+                [channels[name].pixels for name in "RGB"], axis=-1
+            )  # fmt: skip
+        else:
+            array = read_table(path).values
+    except ImportError as error:
+        raise InputError(
+            f"{path}: {error.name} is not installed: expected the extra that reads it: "
+            "pip install 'mpfcad[instruments]'"
+        ) from None
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged image makes its reader raise
+        raise InputError(f"{path}: not read: {' '.join(str(error).split())[:120]}") from None
+    found = np.asarray(array)
+    if found.ndim == 3 and found.shape[-1] in (3, 4) and kind == ".exr":
+        # Rec. 709 luminance of linear red, green and blue.
+        found = found[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
+    if found.ndim != 2:
+        shape = " × ".join(map(str, found.shape))
+        raise InputError(f"{path}: array of {shape}: expected one grey image")
+    top = float(np.iinfo(found.dtype).max) if found.dtype.kind in "ui" else None
+    return found.astype(np.float64), top
+
+
+def _turned(counts: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """Return an image turned so that across the lamps is along its rows, its corners cut off."""
+    from scipy.ndimage import rotate
+
+    turned = rotate(counts, -np.degrees(angle), reshape=False, order=1, cval=np.nan)
+    rows, columns = counts.shape
+    sine, cosine = abs(np.sin(angle)), abs(np.cos(angle))
+    # The largest upright rectangle of the same shape inside the turned one.
+    share = 1 / (cosine + sine * max(rows, columns) / min(rows, columns))
+    height, width = int(rows * share) - 2, int(columns * share) - 2
+    top, left = (rows - height) // 2, (columns - width) // 2
+    found: NDArray[np.float64] = turned[top : top + height, left : left + width]
+    return found
+
+
+def transposed(image: LuminanceImage) -> LuminanceImage:
+    """Return the image with along in place of across."""
+    return replace(image, luminance=image.luminance.T)

@@ -1,0 +1,68 @@
+"""The lamps' pitch and place, found in a luminance curve."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+
+#: Share of a curve's variance that its period must explain.
+_SHOWN = 0.5
+#: A shorter period that explains nearly as much is the pitch; longer ones are its multiples.
+_AS_GOOD = 0.97
+_HARMONICS = 3
+_TRIED = 600
+
+
+def find_pitch(name: str, position: NDArray[np.float64], luminance: NDArray[np.float64]) -> float:
+    """Return the period [mm] of a curve (n,) that shows the lamps at least twice.
+
+    The shortest period is taken of which three harmonics explain nearly as much as of any.
+
+    Raises
+    ------
+    InputError
+        when no period explains half of what a slow trend leaves.
+    """
+    length = float(np.ptp(position))
+    step = float(np.median(np.diff(position)))
+    tried = np.geomspace(max(8 * step, length / 60), length / 1.9, _TRIED)
+    shares = np.array([_explained(position, luminance, p)[0] for p in tried])
+    best = int(np.argmax(shares))
+    if shares[best] < _SHOWN:
+        raise InputError(
+            f"{name}: no lamp pitch seen: the best period, {tried[best]:.4g} mm, explains "
+            f"{shares[best]:.0%} of its variation: expected --pitch-mm"
+        )
+    peaks = np.flatnonzero(
+        (shares >= _AS_GOOD * shares[best])
+        & (shares >= np.roll(shares, 1))
+        & (shares >= np.roll(shares, -1))
+    )
+    first = int(peaks[0]) if len(peaks) else best
+    near = np.linspace(tried[max(first - 1, 0)], tried[min(first + 1, _TRIED - 1)], 101)
+    return float(near[np.argmax([_explained(position, luminance, p)[0] for p in near])])
+
+
+def find_phase(
+    position: NDArray[np.float64], luminance: NDArray[np.float64], pitch: float
+) -> float:
+    """Return where [mm] the first harmonic of a curve is highest: taken as above a lamp."""
+    _, wave = _explained(position, luminance, pitch)
+    return float(np.arctan2(wave[1], wave[0]) / (2 * np.pi) * pitch + position[0])
+
+
+def _explained(
+    position: NDArray[np.float64], luminance: NDArray[np.float64], pitch: float
+) -> tuple[float, NDArray[np.float64]]:
+    """Return the share of variance about a quadratic trend, and cosine and sine of the pitch."""
+    x = position - position[0]
+    trend = np.stack([np.ones_like(x), x, x**2], axis=1)
+    angle = 2 * np.pi * x / pitch
+    waves = [f(k * angle) for k in range(1, _HARMONICS + 1) for f in (np.cos, np.sin)]
+    design = np.column_stack([*waves, trend])
+    flat = luminance - trend @ np.linalg.lstsq(trend, luminance, rcond=None)[0]
+    weight = np.linalg.lstsq(design, luminance, rcond=None)[0]
+    left = luminance - design @ weight
+    total = float(np.sum(flat**2))
+    share = 1 - float(np.sum(left**2)) / total if total > 0 else 0.0
+    return share, np.asarray(weight[:2], np.float64)

@@ -1,0 +1,149 @@
+"""A measured luminance judged: read, pitch found, contrast by the trace's code, gate, overlay."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mpfcad.errors import InputError
+from mpfcad.gate import Gate
+from mpfcad.measure.observed import (
+    LuminanceImage,
+    Photo,
+    curve_of_image,
+    find_pitch,
+    observe_cell,
+    observe_pitch,
+    read_curve,
+    read_image,
+)
+from mpfcad.measure.observed.image import is_image, transposed
+from mpfcad.record.judgement import (
+    describe_difference,
+    describe_observed_cell,
+    describe_pitch,
+    judgement_gate,
+)
+
+JUDGEMENT_SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Judging:
+    """How a measurement is judged; lengths in mm.
+
+    Attributes
+    ----------
+    photo
+        how an image becomes luminance; None for a curve
+    unit
+        of a curve's positions, where its file does not state it
+    pitch, lamp
+        lamp pitch and a lamp's place; found when None
+    cell
+        (across, along) of a cell of spots; None: stripes, or found
+    spots
+        whether cells of spots are looked for
+    limit, marginal
+        of the contrast; None: of the export compared with, else the thesis's 0.012 and 0.018
+    against
+        folder of an export
+    seed
+        of the interval's draws
+    """
+
+    photo: Photo | None = None
+    unit: str | None = None
+    pitch: float | None = None
+    lamp: float | None = None
+    cell: tuple[float, float] | None = None
+    spots: bool = False
+    limit: float | None = None
+    marginal: float | None = None
+    against: Path | None = None
+    seed: int = 1
+
+
+def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
+    """Return the record of a measured luminance: figures, gate, difference from a prediction.
+
+    Raises
+    ------
+    InputError
+        when the file, or the export, cannot be read, or shows no lamps.
+    """
+    predicted = None if judging.against is None else _prediction(judging.against)
+    limit, marginal = _limits(judging, predicted)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file: expected a luminance curve or image")
+    image = None
+    if is_image(path):
+        if judging.photo is None:
+            raise InputError(f"{path}: an image: expected --pixel-mm, the side of a pixel")
+        image = read_image(path, judging.photo)
+    record: dict[str, Any] = {"schema": JUDGEMENT_SCHEMA, "file": path.name}
+    if image is not None and (judging.spots or judging.cell):
+        size = judging.cell or _cell_size(path, image)
+        found = observe_cell(image, size, judging.seed)
+        if predicted is not None:
+            raise InputError("--against: spots: expected stripes")
+        record |= {"reading": image.reading, **describe_observed_cell(found)}
+        contrast = found.contrast
+    else:
+        curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
+        pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
+        seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
+        record |= {"reading": curve.reading, **describe_pitch(seen)}
+        record["pitch_found"] = judging.pitch is None
+        contrast = seen.contrast
+        if predicted is not None:
+            record["against"] = {
+                "name": predicted["name"], **describe_difference(seen, predicted["luminance"]),
+                "lamp_mura_contrast": predicted["lamp_mura_contrast"],
+            }  # fmt: skip
+    gate = judgement_gate(contrast, limit, marginal)
+    record |= {"gates": [gate.document()], "verdict": gate.outcome}
+    return record
+
+
+def _prediction(folder: Path) -> dict[str, Any]:
+    """Return verification.json of an export."""
+    file = folder / "verification.json" if folder.is_dir() else folder
+    try:
+        found = json.loads(file.read_text("utf-8"))
+        if not found["luminance"]["position_pitch"]:
+            raise KeyError
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(
+            f"{file}: no luminance in it: expected an export of mpfcad run whose film was traced"
+        ) from None
+    return {"name": folder.name, **found}
+
+
+def _limits(judging: Judging, predicted: dict[str, Any] | None) -> tuple[float, float]:
+    limit, marginal = 0.012, 0.018
+    for gate in predicted["gates"] if predicted else ():
+        if gate["name"] == "lamp_mura_contrast":
+            limit, marginal = gate["limit"], gate.get("marginal_limit", gate["limit"])
+    limit = limit if judging.limit is None else judging.limit
+    marginal = max(marginal, limit) if judging.marginal is None else judging.marginal
+    if not 0 < limit <= marginal <= 1:
+        raise InputError(f"--limit, --marginal: {limit:g}, {marginal:g}: expected 0 < both ≤ 1")
+    return limit, marginal
+
+
+def _cell_size(path: Path, image: LuminanceImage) -> tuple[float, float]:
+    """Return the pitches across and along that an image shows."""
+    across, along = curve_of_image(image), curve_of_image(transposed(image))
+    return (
+        find_pitch(f"{path}: across", across.position, across.luminance),
+        find_pitch(f"{path}: along", along.position, along.luminance),
+    )
+
+
+def gate_of(record: dict[str, Any]) -> Gate:
+    """Return the gate that a record was judged by."""
+    gate = record["gates"][0]
+    ends = gate["ci95"]
+    return Gate(gate["name"], gate["value"], gate["limit"], (ends[0], ends[1]),
+                gate["marginal_limit"])  # fmt: skip

@@ -1,0 +1,165 @@
+"""Measured luminance: the contrast of known curves and images, however a camera saw them."""
+
+import numpy as np
+import pytest
+import tifffile
+
+from mpfcad.errors import InputError
+from mpfcad.measure.observed import (
+    Photo,
+    curve_of_image,
+    find_pitch,
+    observe_cell,
+    observe_pitch,
+    read_curve,
+    read_image,
+)
+
+PITCH, CONTRAST, MEAN = 16.0, 0.02, 5000.0
+
+
+def wave(x, contrast=CONTRAST, pitch=PITCH, lamp=3.0):
+    """Return a curve of a first harmonic whose contrast is its amplitude over the mean."""
+    return MEAN * (1 + contrast * np.cos(2 * np.pi * (x - lamp) / pitch))
+
+
+def write_curve(path, noise=0.0, seed=1, length=80.0, contrast=CONTRAST):
+    x = np.arange(0.0, length, 0.25)
+    value = wave(x, contrast) + np.random.default_rng(seed).normal(0, noise, len(x))
+    lines = "\n".join(f"{a:.3f};{b:.3f}".replace(".", ",") for a, b in zip(x, value, strict=True))
+    path.write_text("Position [mm];Leuchtdichte [cd/m²]\n" + lines + "\n", "cp1252")
+    return path
+
+
+def test_a_curve_is_read_found_and_judged(tmp_path):
+    curve = read_curve(write_curve(tmp_path / "l.csv", noise=10.0))
+    assert "decimal comma" in curve.reading
+    assert "cp1252" in curve.reading
+    assert curve.error[0] == pytest.approx(10.0, rel=0.25)
+    pitch = find_pitch("l.csv", curve.position, curve.luminance)
+    assert pitch == pytest.approx(PITCH, rel=2e-3)
+    found = observe_pitch(curve, pitch)
+    assert (found.lamp - 3.0 + PITCH / 2) % PITCH - PITCH / 2 == pytest.approx(0.0, abs=0.05)
+    assert len(found.each) == 4
+    assert found.contrast.low <= CONTRAST <= found.contrast.high
+    assert found.contrast.half_width < 0.003
+    assert found.fit.mean.value == pytest.approx(MEAN, rel=1e-3)
+
+
+def test_intervals_hold_a_pitch_s_contrast(tmp_path):
+    """Of 40 noisy curves of one pitch 38 ± 1.4 should: 32 is 4.3 standard deviations away."""
+    held = 0
+    for seed in range(40):
+        curve = read_curve(write_curve(tmp_path / "l.csv", 15.0, seed, length=20.0))
+        contrast = observe_pitch(curve, PITCH).contrast
+        held += contrast.low <= CONTRAST <= contrast.high
+    assert held >= 32
+
+
+def image(rows=120, columns=640, pixel=0.125, turn=0.0, contrast=CONTRAST):
+    x, y = np.meshgrid((np.arange(columns) + 0.5) * pixel, (np.arange(rows) + 0.5) * pixel)
+    return wave(x * np.cos(turn) - y * np.sin(turn), contrast)
+
+
+def counts(luminance, seed=1):
+    """Return 16-bit counts of luminance at 0.25 cd/m² a count, with a dark level and vignetting."""
+    rng = np.random.default_rng(seed)
+    dark = 200 + rng.normal(0, 2, luminance.shape)
+    rows, columns = luminance.shape
+    flat = 1 - 0.2 * ((np.arange(columns) / columns - 0.5) ** 2)[None] * np.ones((rows, 1))
+    seen = luminance / 0.25 * flat + dark + rng.normal(0, 40, luminance.shape)
+    return [np.round(part).astype(np.uint16) for part in (seen, dark, 20000 * flat + dark)]
+
+
+@pytest.mark.parametrize("kind", ["tiff", "fits", "exr", "csv"])
+def test_an_image_of_any_kind_gives_its_contrast(tmp_path, kind):
+    value = image()
+    path = tmp_path / f"photo.{kind}"
+    if kind == "tiff":
+        tifffile.imwrite(path, np.round(value / 0.25).astype(np.uint16))
+    elif kind == "fits":
+        fits = pytest.importorskip("astropy.io.fits")
+        fits.PrimaryHDU(np.round(value / 0.25).astype(np.int32)).writeto(path)
+    elif kind == "exr":
+        exr = pytest.importorskip("OpenEXR")
+        pixels = {"Y": (value / 0.25).astype(np.float32)}
+        exr.File({"compression": exr.ZIP_COMPRESSION, "type": exr.scanlineimage}, pixels).write(
+            str(path)
+        )
+    else:
+        np.savetxt(path, np.round(value / 0.25), "%d", ";")
+    curve = curve_of_image(read_image(path, Photo(0.125, 0.25)))
+    found = observe_pitch(curve, PITCH)
+    assert found.contrast.value == pytest.approx(CONTRAST, abs=2e-4)
+    assert found.fit.mean.value == pytest.approx(MEAN, rel=1e-3)
+
+
+def test_dark_flat_crop_and_rotation_are_taken_into_account(tmp_path):
+    turn = np.radians(2.0)
+    names = [tmp_path / f"{name}.tif" for name in ("photo", "dark", "flat")]
+    for path, frame in zip(names, counts(image(rows=200, turn=turn)), strict=True):
+        tifffile.imwrite(path, frame)
+    photo = Photo(0.125, 0.25, names[1], names[2], (10, 5, 630, 195), -turn)
+    curve = curve_of_image(read_image(names[0], photo))
+    pitch = find_pitch("photo", curve.position, curve.luminance)
+    assert pitch == pytest.approx(PITCH, rel=5e-3)
+    found = observe_pitch(curve, PITCH)
+    assert found.contrast.value == pytest.approx(CONTRAST, abs=1e-3)
+    # Without the flat the vignetting is most of it.
+    raw = curve_of_image(read_image(names[0], Photo(0.125, 0.25, names[1])))
+    assert observe_pitch(raw, PITCH).contrast.value > CONTRAST + 2e-3
+
+
+def test_spots_have_the_contrast_of_their_cell(tmp_path):
+    """Product of two waves of 3 %: contrast (1.03² - 0.97²)/(1.03² + 0.97²) = 0.0599."""
+    pixel = 0.25
+    x, y = np.meshgrid((np.arange(320) + 0.5) * pixel, (np.arange(240) + 0.5) * pixel)
+    across, along = (1 + 0.03 * np.cos(2 * np.pi * v / p) for v, p in ((x, 16.0), (y, 12.0)))
+    value = MEAN * across * along
+    value += np.random.default_rng(4).normal(0, 20, value.shape)
+    path = tmp_path / "spots.tif"
+    tifffile.imwrite(path, value.astype(np.float32))
+    seen = read_image(path, Photo(pixel))
+    found = observe_cell(seen, (16.0, 12.0))
+    assert found.cells >= 12
+    assert found.contrast.low <= 0.0599 <= found.contrast.high
+    assert found.contrast.half_width < 0.003
+    assert found.series.amplitude(1, 0).value == pytest.approx(0.03, abs=1e-3)
+    assert found.luminance.mean() == pytest.approx(MEAN, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("x,L\n" + "".join(f"{i},{100 + i % 3}\n" for i in range(40)), ("no unit of position",)),
+        ("x_mm,L\n" + "".join(f"{i},{-1}\n" for i in range(40)), ("expected above 0",)),
+        ("x_mm,L\n0,1\n1,2\n2,1\n", ("3 rows", "16")),
+        ("x_mm,L,M\n" + "".join(f"{i},{100},{101}\n" for i in range(40)), ("second luminance",)),
+    ],
+)
+def test_bad_curves_are_refused(tmp_path, content, words):
+    path = tmp_path / "l.csv"
+    path.write_text(content)
+    with pytest.raises(InputError) as error:
+        read_curve(path)
+    for word in ("l.csv", *words):
+        assert word in str(error.value)
+
+
+def test_bad_images_are_refused(tmp_path):
+    path, other = tmp_path / "a.tif", tmp_path / "b.tif"
+    tifffile.imwrite(path, np.full((40, 50), 65535, np.uint16))
+    tifffile.imwrite(other, np.full((40, 51), 3, np.uint16))
+    with pytest.raises(InputError, match=r"2,000 pixels at full scale"):
+        read_image(path, Photo(0.1))
+    with pytest.raises(InputError, match=r"b.tif: --dark: 51 × 40 pixels: expected 50 × 40"):
+        read_image(path, Photo(0.1, dark=other))
+    with pytest.raises(InputError, match=r"--crop"):
+        read_image(other, Photo(0.1, crop=(0, 0, 52, 40)))
+
+
+def test_a_flat_curve_has_no_pitch():
+    x = np.arange(0.0, 80.0, 0.25)
+    value = MEAN + np.random.default_rng(0).normal(0, 5, len(x))
+    with pytest.raises(InputError, match="no lamp pitch seen"):
+        find_pitch("flat.csv", x, value)
