@@ -209,3 +209,43 @@ def test_without_a_mesh_it_is_a_phototool_only(tmp_path, capsys):
     assert "printability: phototool only" in capsys.readouterr().out
     text = "\n".join(read_oasis(tmp_path / "out" / "mask.oas").text)
     assert "phototool only: no mesh named" in text
+
+
+def test_the_ripple_is_what_another_program_finds_in_the_file(tmp_path):
+    """Slots of one groove from the OASIS by gdstk, averaged with numpy; period 2.2 mm."""
+    import gdstk
+    import numpy as np
+
+    from mpfcad.film import Groove
+
+    job = with_job(tmp_path, lambda text: text.replace("560.0", "2200.0").replace(
+        "mm = 30.0", "mm = 110.0"))  # fmt: skip
+    assert run_app(["mask", job, "--out", str(tmp_path / "out")]) == 1  # such a ripple fails
+    screen = json.loads((tmp_path / "out" / "screen.json").read_text("utf-8"))
+    printing = screen["printing"]
+    left = printing["ripple_groove"] * 50.0
+    step = 2.0  # µm
+    opened = np.zeros(round(110_000 / step))
+    top = gdstk.read_oas(tmp_path / "out" / "mask.oas", unit=1e-6).top_level()[0]
+    for polygon in top.flatten().get_polygons(layer=1, datatype=0):
+        x, y = polygon.points.T
+        if x.min() <= left + 25 < x.max():
+            opened[round(y.min() / step) : round(y.max() / step)] = 1
+    sigma = printing["levelling_length_mm"] * 1000 / (2 * (2 * np.log(2)) ** 0.5) / step
+    kernel = np.exp(-0.5 * (np.arange(-round(5 * sigma), round(5 * sigma) + 1) / sigma) ** 2)
+    levelled = np.convolve(opened, kernel / kernel.sum(), "same")[10_000:-10_000]
+    ratio, groove = opened.mean(), Groove(0.050, 0.025)
+    curvature = curvature_of(tmp_path / "out" / "curvature.csv", printing["ripple_groove"])
+    fill = float(groove.fill_fraction(curvature))
+    wave = np.clip(fill * levelled / ratio, 0, 1)
+    slope = (groove.curvature_of_fill(fill * 0.999) - groove.curvature_of_fill(fill * 1.001)) / (
+        0.002 * fill
+    )
+    found = float(np.sqrt(np.mean((wave - fill) ** 2))) * slope
+    assert printing["ripple_curvature_per_mm"] == pytest.approx(found, rel=0.05)
+
+
+def curvature_of(path, groove):
+    """Return the curvature of a groove in curvature.csv [1/mm]."""
+    row = path.read_text("utf-8").splitlines()[groove + 1]
+    return float(row.split(",")[2])

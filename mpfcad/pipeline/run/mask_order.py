@@ -1,5 +1,6 @@
 """The order of a job's screen: how the artwork is handed over, and what is refused before work."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -79,7 +80,7 @@ def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str
             f"{where}: mask.formats: tif: a pixel of {pixel / um:.3g} µm is "
             f"{pixel / mask.length:.2g} of the panel's length {mask.length:g} mm: expected at most "
             f"{RATIO_LIMIT:g}: a panel of {pixel / RATIO_LIMIT:.3g} mm or more, or mask.tif_dpi "
-            f"{dpi:.0f} or more"
+            f"{math.ceil(dpi)} or more"
         )
     if mask.rules.pattern == "error-diffused":
         side = smallest_dot(mask)
