@@ -147,7 +147,43 @@ def large_2d(path):
     write_mask(mask_of(film_2d(2 * WIDTH, 2 * LENGTH, PITCH / 2), "error-diffused", 0.025), path)
 
 
+JOB = Path(__file__).parents[1] / "masks" / "patterned-16mm.toml"
+
+
+def propose(path):
+    """Every mesh of the catalogue for the job that ships."""
+    from mpfcad.job import read_job
+    from mpfcad.pipeline import read_proposals
+
+    read_proposals(read_job(JOB), JOB)
+
+
+def order(path):
+    """The order sheet of the job that ships."""
+    from mpfcad.job import read_job
+    from mpfcad.mask.screen.order_sheet import write_order
+    from mpfcad.pipeline import read_mask_plan
+    from mpfcad.pipeline.run.mask_order import job_order
+
+    plan = read_mask_plan(read_job(JOB), JOB)
+    write_order(path, job_order(plan.job, plan.mask, plan.process), "PASS", {})
+
+
+def tiff(path):
+    """The panel of the job that ships as TIFF, written and checked."""
+    from mpfcad.job import read_job
+    from mpfcad.mask import Phototool, check_mask, write_mask
+    from mpfcad.pipeline import read_mask_plan
+
+    mask = read_mask_plan(read_job(JOB), JOB).mask
+    write_mask(mask, path, Phototool())
+    check_mask(path, mask, Phototool())
+
+
 CASES = {
+    "propose": propose,
+    "order": order,
+    "tiff": tiff,
     "ours-1d": ours_1d,
     "check-1d": check_1d,
     "gdstk": gdstk_1d,
@@ -276,6 +312,17 @@ def measure_2d(folder, quick):
                 goal="≤ 1.3", met=per_cell <= 1.3)  # fmt: skip
 
 
+def measure_screen(folder):
+    """A proposal, an order and a TIFF of the panel that ships."""
+    for name, title, limit in (
+        ("propose", "panel: screens proposed over the catalogue, user CPU", 5),
+        ("order", "panel: order sheet, with the plan, user CPU", 2),
+        ("tiff", "panel: TIFF of 2540 dpi written and checked, user CPU", 20),
+    ):
+        run = measure(name, folder / f"{name}.{'tif' if name == 'tiff' else 'pdf'}", 1)
+        yield at_most(title, run["user"], "s", limit)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a quarter panel in 2-D, one run each")
@@ -288,7 +335,8 @@ def main():
         return
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        rows = [*compare_1d(folder, 1 if given.quick else 3), *measure_2d(folder, given.quick)]
+        rows = [*compare_1d(folder, 1 if given.quick else 3), *measure_2d(folder, given.quick),
+                *measure_screen(folder)]  # fmt: skip
     if given.json:
         print(json.dumps(rows, indent=1, ensure_ascii=False))
         return

@@ -50,14 +50,16 @@ def different_grooves(found: NDArray[np.uint64], wanted: NDArray[np.uint64]) -> 
 
 
 @nb.njit(nogil=True)
-def _hash(x: Any, y: Any, width: Any, length: Any) -> Any:
-    word = np.uint64(0)
-    for value in (x, y, width, length):
-        word = (word ^ np.uint64(value)) + np.uint64(_A)
-        word = (word ^ (word >> np.uint64(30))) * np.uint64(_B)
-        word = (word ^ (word >> np.uint64(27))) * np.uint64(_C)
-        word = word ^ (word >> np.uint64(31))
-    return word
+def _mix(word: Any, value: Any) -> Any:
+    word = (word ^ np.uint64(value)) + np.uint64(_A)
+    word = (word ^ (word >> np.uint64(30))) * np.uint64(_B)
+    word = (word ^ (word >> np.uint64(27))) * np.uint64(_C)
+    return word ^ (word >> np.uint64(31))
+
+
+@nb.njit(nogil=True)
+def _column(x: Any, width: Any, length: Any) -> Any:
+    return _mix(_mix(_mix(np.uint64(0), x), width), length)
 
 
 @nb.njit(nogil=True)
@@ -70,12 +72,12 @@ def _groove(edge: Any, x: Any) -> Any:
 def _add_listed(
     total: Any, edge: Any, x: Any, y: Any, width: Any, length: Any, offset: Any
 ) -> None:
-    last, groove = np.int64(-(2**62)), 0
+    last, groove, column = np.int64(-(2**62)), 0, np.uint64(0)
     for i in range(len(offset)):
         left = x + offset[i, 0]
         if left != last:
-            last, groove = left, _groove(edge, left)
-        total[groove] += _hash(left, y + offset[i, 1], width, length)
+            last, groove, column = left, _groove(edge, left), _column(left, width, length)
+        total[groove] += _mix(column, y + offset[i, 1])
 
 
 @kept
@@ -95,9 +97,14 @@ def _add_lattice(
     by: Any,
 ) -> None:
     for i in range(columns):
-        groove = _groove(edge, x + i * ax)
+        left = x + i * ax
+        groove, column = _groove(edge, left), _column(left, width, length)
+        added = np.uint64(0)
         for j in range(rows):
-            left = x + i * ax + j * bx
-            if bx:
-                groove = _groove(edge, left)
-            total[groove] += _hash(left, y + i * ay + j * by, width, length)
+            if bx and j:
+                total[groove] += added
+                added = np.uint64(0)
+                left = x + i * ax + j * bx
+                groove, column = _groove(edge, left), _column(left, width, length)
+            added += _mix(column, y + i * ay + j * by)
+        total[groove] += added
