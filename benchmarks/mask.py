@@ -151,7 +151,7 @@ JOB = Path(__file__).parents[1] / "masks" / "patterned-16mm.toml"
 
 
 def propose(path):
-    """Every mesh of the catalogue for the job that ships."""
+    """Try every mesh of the catalogue for the job that ships."""
     from mpfcad.job import read_job
     from mpfcad.pipeline import read_proposals
 
@@ -159,7 +159,7 @@ def propose(path):
 
 
 def order(path):
-    """The order sheet of the job that ships."""
+    """Write the order sheet of the job that ships."""
     from mpfcad.job import read_job
     from mpfcad.mask.screen.order_sheet import write_order
     from mpfcad.pipeline import read_mask_plan
@@ -170,7 +170,7 @@ def order(path):
 
 
 def tiff(path):
-    """The panel of the job that ships as TIFF, written and checked."""
+    """Write and check the panel of the job that ships as TIFF."""
     from mpfcad.job import read_job
     from mpfcad.mask import Phototool, check_mask, write_mask
     from mpfcad.pipeline import read_mask_plan
@@ -313,7 +313,7 @@ def measure_2d(folder, quick):
 
 
 def measure_screen(folder):
-    """A proposal, an order and a TIFF of the panel that ships."""
+    """Yield a proposal, an order and a TIFF of the panel that ships."""
     for name, title, limit in (
         ("propose", "panel: screens proposed over the catalogue, user CPU", 5),
         ("order", "panel: order sheet, with the plan, user CPU", 2),
