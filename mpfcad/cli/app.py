@@ -19,6 +19,7 @@ from mpfcad.cli import (
     measure,
     mould,
     run,
+    signature,
     stacks,
     sweep,
     trace,
@@ -74,8 +75,9 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    judge, stacks, cache, init, doctor,
+    judge, stacks, cache, init, doctor, signature,
 )  # fmt: skip
 
 for command in _COMMANDS:
-    app.command(command.__name__.rpartition(".")[2], cls=ExampleHelp)(command.command)
+    name = getattr(command, "NAME", command.__name__.rpartition(".")[2])
+    app.command(name, cls=ExampleHelp)(command.command)

@@ -29,6 +29,7 @@ GROUPS = {
     },
     "Check and show": {
         "verify": "mpfcad verify exports/patterned-16mm --json",
+        "sign": "mpfcad sign exports/patterned-16mm --key ~/.ssh/id_ed25519",
         "view": "mpfcad view exports",
     },
     "Measure prints": {

@@ -18,11 +18,18 @@ def command(
     threads: Threads = None,
     json: Json = False,
     junit: Junit = None,
+    key: Annotated[
+        Path | None,
+        typer.Option(
+            "--key", metavar="FILE", help="Also its signature: a public key, or allowed_signers."
+        ),
+    ] = None,
 ) -> int:
     """Check every hash of an export, then trace its film again and compare bit for bit."""
     from mpfcad.cli.stream import one_line
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.errors import ExportError
+    from mpfcad.export.signature import check_signature
     from mpfcad.pipeline import verify_export
     from mpfcad.record import exit_code, write_junit
 
@@ -30,6 +37,7 @@ def command(
     verification: dict[str, Any] = {}
     rounded: list[Any] = []
     try:
+        signer = None if key is None else check_signature(folder, key)
         with Terminal() as terminal:
             verification = verify_export(
                 folder, threads=threads, progress=terminal, rounded=rounded
@@ -44,6 +52,8 @@ def command(
         print(f"mpfcad: {one_line(changed)}", file=sys.stderr)
         return CHANGED
     if not json:
+        if signer is not None:
+            print(f"signed: {signer}")
         print(f"verified: every hash holds, and the figures come out the same{_bits(rounded)}")
         print_verdict(verification, folder)
     return exit_code(verification["verdict"])

@@ -22,7 +22,7 @@ from filelock import FileLock, Timeout
 
 from mpfcad.errors import InputError
 from mpfcad.export.exchange import exchange, flush
-from mpfcad.export.manifest import MANIFEST, is_own, kind_of, read_entries
+from mpfcad.export.manifest import MANIFEST, SIGNATURE, is_own, kind_of, read_entries
 from mpfcad.store.notice import say
 
 _LOCK = ".lock"
@@ -155,7 +155,8 @@ def _clear(folder: Path, out: Path) -> None:
 def _rescue(old: Path, out: Path) -> None:
     files, intact = read_entries(old / MANIFEST)
     for path in sorted(old.iterdir()):
-        if (path.name == MANIFEST and intact) or is_own(path, files):
+        # A signature is of the old manifest alone.
+        if (path.name in (MANIFEST, SIGNATURE) and intact) or is_own(path, files):
             continue
         edited = path.name in files or path.name == MANIFEST
         target, number = out / path.name, 0

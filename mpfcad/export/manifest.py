@@ -11,6 +11,8 @@ from mpfcad.errors import ExportError, InputError
 from mpfcad.export.text import canonical_json, encoded, sha256, write_text
 
 MANIFEST = "manifest.json"
+#: Beside the files of the manifest: its signature, where it is signed.
+SIGNATURE = f"{MANIFEST}.sig"
 _KEYS = {"schema", "name", "kind", "files", "self_sha256"}
 #: A manifest of a few dozen files has a few kilobytes.
 _MOST_BYTES = 10_000_000
@@ -21,7 +23,7 @@ def write_manifest(folder: Path, name: str, kind: str) -> None:
     files = {
         path.name: {"sha256": sha256(path), "bytes": path.stat().st_size}
         for path in sorted(folder.iterdir())
-        if path.name != MANIFEST
+        if path.name not in (MANIFEST, SIGNATURE)
     }
     manifest = {"schema": 1, "name": name, "kind": kind, "files": files}
     write_text(folder / MANIFEST, canonical_json(_sealed(manifest)))
@@ -51,7 +53,7 @@ def check_manifest(folder: Path) -> dict[str, Any]:
         if digest != entry["sha256"] or file.stat().st_size != entry["bytes"]:
             raise ExportError(f"{file}: changed: SHA-256 is {digest}, not {entry['sha256']}")
     for file in sorted(folder.iterdir()):
-        if file.name != MANIFEST and file.name not in manifest["files"]:
+        if file.name not in (MANIFEST, SIGNATURE) and file.name not in manifest["files"]:
             raise ExportError(f"{file}: not in the manifest")
     return manifest
 
@@ -122,7 +124,7 @@ def read_sealed(path: Path) -> dict[str, Any]:
 
 
 def _trouble(name: str, entry: Any) -> str | None:
-    if name in ("", ".", "..", MANIFEST) or re.search(r"[/\\:\x00]", name):
+    if name in ("", ".", "..", MANIFEST, SIGNATURE) or re.search(r"[/\\:\x00]", name):
         return "expected the name of a file in the folder itself"
     if not isinstance(entry, dict) or set(entry) != {"sha256", "bytes"}:
         return "expected sha256 and bytes"
