@@ -7,16 +7,21 @@ import numpy as np
 
 from mpfcad.backlight.film_layer import lower_film
 from mpfcad.backlight.particle import build_particles
+from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
-from mpfcad.optics.element import BsdfSheet, Element, Film, Sheet, Slab
+from mpfcad.optics.element import BsdfSheet, Element, Film, LibraryFilm, Sheet, Slab
 from mpfcad.optics.film.resin import Resin
+from mpfcad.optics.library.file import is_library_file, read_library
+from mpfcad.optics.library.piece import Library
 from mpfcad.optics.search.chain import build_chain
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.units import deg, um
 
 
-def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> list[Element]:
+def lower_stack(
+    stack: Stack, mesh: FilmMesh | Library | None, offset: float = 0.0
+) -> list[Element]:
     """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
     `offset` [mm] is the x of the film tile's left edge.
@@ -44,7 +49,10 @@ def lower_stack(stack: Stack, mesh: FilmMesh | None, offset: float = 0.0) -> lis
             is_bonded = layer == "bonded_film"
             below = under.index if is_bonded and isinstance(under, Slab) else 1.0
             assert mesh is not None  # a stack with a slot has one
-            elements += lower_film(stack, mesh, _resin(stack, mesh), below, offset)
+            if isinstance(mesh, Library):
+                elements.append(_library(stack, mesh, below, offset))
+            else:
+                elements += lower_film(stack, mesh, _resin(stack, mesh), below, offset)
     return elements
 
 
@@ -65,7 +73,7 @@ def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
     return Slab(stack["plate_index"], stack["plate_thickness_mm"], bonded=bonded, **volume)
 
 
-def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
+def _resin(stack: Stack, mesh: FilmMesh | None) -> Resin | None:
     if not stack.resin_scatters:
         return None
     if stack.prism is None:
@@ -75,17 +83,17 @@ def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
     prism = read_film_mesh(stack.prism)
     if build_chain(prism) is None:
         raise InputError(f"{stack.prism}: prisms under the resin: must be drawn along y")
-    if prism.size[0] != mesh.size[0]:
+    if mesh is None or prism.size[0] != mesh.size[0]:
         raise InputError(
             f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: must be as wide "
-            f"as the film, {mesh.size[0]:g} mm"
+            f"as the film, {mesh.size[0] if mesh else 0:g} mm"
         )
     particles = build_particles(stack.quantity, "resin")
     phase = None if particles is None else particles.phase()
     return Resin(prism, stack["resin_scattering_per_mm"], stack["resin_asymmetry"], phase)
 
 
-def _own_layer(stack: Stack, name: str, mesh: FilmMesh | None, offset: float) -> Element:
+def _own_layer(stack: Stack, name: str, mesh: FilmMesh | Library | None, offset: float) -> Element:
     """Return the element of a layer with values of its own."""
     layer = stack.own[name]
     if layer.kind == "bsdf":
@@ -111,15 +119,45 @@ def _own_layer(stack: Stack, name: str, mesh: FilmMesh | None, offset: float) ->
             0.0,
         )
     elif layer.file is not None:
-        mesh, offset = read_film_mesh(Path(layer.file)), 0.0
+        mesh, offset = read_film(Path(layer.file)), 0.0
     elif mesh is not None:
-        resin = _resin(stack, mesh)
+        resin = None if isinstance(mesh, Library) else _resin(stack, mesh)
     assert mesh is not None  # a stack with a slot has one
+    rotation, absorption = value("rotation_deg") * deg, value("absorption_per_mm")
+    if isinstance(mesh, Library):
+        _refuse_library(words, layer.flipped or absorption > 0 or resin is not None)
+        return LibraryFilm(mesh, value("index"), 1.0, offset, words, rotation)
     return Film(
-        mesh, value("index"), 1.0, offset, None, words,
-        rotation=value("rotation_deg") * deg, flipped=layer.flipped, resin=resin,
-        absorption=value("absorption_per_mm"),
+        mesh, value("index"), 1.0, offset, None, words, rotation=rotation,
+        flipped=layer.flipped, resin=resin, absorption=absorption,
     )  # fmt: skip
+
+
+def _library(stack: Stack, library: Library, below: float, offset: float) -> LibraryFilm:
+    """Return the element of the job's film as a library of pieces."""
+    names = [f"{layer}_thickness_um" for layer in FILM_LAYERS]
+    absorbs = "film_absorption_per_mm" in stack.quantity and stack["film_absorption_per_mm"] > 0
+    layered = any(name in stack.quantity for name in names)
+    _refuse_library(stack.name, absorbs or layered or stack.resin_scatters)
+    return LibraryFilm(library, stack["film_index"], below, offset)
+
+
+def _refuse_library(name: str, wrong: bool) -> None:
+    if wrong:
+        raise InputError(
+            f"{name}: a film of instances: expected upright, clear, and of one material"
+        )
+
+
+def read_film(path: Path) -> FilmMesh | Library:
+    """Return a film's mesh from disk, or its library of pieces from a 3MF of instances.
+
+    Raises
+    ------
+    InputError
+        when it cannot be read or traced.
+    """
+    return read_library(path) if is_library_file(path) else read_film_mesh(path)
 
 
 def _bef_mesh(pitch: float, depth: float, base: float) -> FilmMesh:

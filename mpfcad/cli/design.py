@@ -24,9 +24,12 @@ def command(
     from mpfcad.cli import run
     from mpfcad.cli.terminal import Terminal
     from mpfcad.job.design import read_design
+    from mpfcad.job.led_design import is_led_design
     from mpfcad.pipeline import default_design_out, run_design
     from mpfcad.report import range_words
 
+    if is_led_design(design_file):
+        return _led(design_file, out, effort, threads)
     design = read_design(design_file)
     folder = out or default_design_out(design)
     with Terminal() as terminal:
@@ -41,3 +44,20 @@ def command(
     if verified == folder:
         verified = folder.with_name(f"{design.name}-run")
     return run.command(job_file, verified, effort, threads)
+
+
+def _led(design_file: Path, out: Path | None, effort: TraceEffort, threads: Threads) -> int:
+    """Find printed films for LEDs and print what they give."""
+    from mpfcad.cli.terminal import Terminal, print_led_design
+    from mpfcad.job.led_design import read_led_design
+    from mpfcad.pipeline.led.design import run_led_design
+
+    design = read_led_design(design_file)
+    folder = out or Path("exports") / f"{design.name}-design"
+    chosen = "standard" if effort is None else effort.value
+    with Terminal() as terminal:
+        record = run_led_design(
+            design, design_file, folder, effort=chosen, threads=threads, progress=terminal
+        )
+    print_led_design(record, folder)
+    return 0

@@ -19,6 +19,7 @@ from mpfcad.film.field.file import (
     read_curvature_field,
     write_curvature_field,
 )
+from mpfcad.film.field.library import PieceLibrary, build_library
 from mpfcad.film.field.piece import FieldPiece, cut_piece
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
@@ -63,6 +64,7 @@ __all__ = [
     "Imperfection",
     "Interval",
     "MadeFilm",
+    "PieceLibrary",
     "PrismFilm",
     "Process",
     "Profile",
@@ -76,6 +78,7 @@ __all__ = [
     "ToneCurve",
     "average_groove",
     "build_curvature_map",
+    "build_library",
     "build_section",
     "check_aperture_ratio",
     "check_curvature",

@@ -116,12 +116,12 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     InputError
         when the mesh cannot be read or traced.
     """
-    from mpfcad.backlight.lower import lower_stack
+    from mpfcad.backlight.lower import lower_stack, read_film
     from mpfcad.optics.scene import build_scene
-    from mpfcad.optics.solid.mesh import read_film_mesh
+    from mpfcad.optics.solid.mesh import FilmMesh
 
-    mesh = None if mesh_path is None else read_film_mesh(mesh_path)
-    spot = meter_spot(stack, mesh)
+    mesh = None if mesh_path is None else read_film(mesh_path)
+    spot = meter_spot(stack, mesh if isinstance(mesh, FilmMesh) else None)
     elements = lower_stack(stack, mesh, offset)
     scene = build_scene(elements)
     case = {

@@ -9,11 +9,12 @@ from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.film.resin import Resin
+from mpfcad.optics.library.piece import Library
 from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.sound import refuse_unsound
 
 #: Kinds as the kernels know them.
-CAVITY, SLAB, SHEET, FILM, BSDF = range(5)
+CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM = range(6)
 #: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
 TABLE = 0
 
@@ -173,6 +174,30 @@ class Film:
 
 
 @dataclass(frozen=True, eq=False)
+class LibraryFilm:
+    """A film as a library of groove pieces and their places.
+
+    Attributes
+    ----------
+    library
+        pieces and places
+    index, index_below
+        refractive index; that of the medium under it
+    offset
+        x [mm] in the scene of its left edge, before it is turned by `rotation`
+    rotation
+        angle [rad] by which it is turned about z through the scene's origin: π/2 is crossed
+    """
+
+    library: Library
+    index: float
+    index_below: float = 1.0
+    offset: float = 0.0
+    name: str = "film"
+    rotation: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class BsdfSheet:
     """A thin element that scatters by a table.
 
@@ -192,4 +217,4 @@ class BsdfSheet:
         refuse_unsound(f"{self.name}.blend", self.blend, 0.0, 1.0)
 
 
-Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet
+Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet | LibraryFilm

@@ -19,6 +19,7 @@ from mpfcad.optics.element import (
     BSDF,
     CAVITY,
     FILM,
+    LIBRARY_FILM,
     SHEET,
     SLAB,
     TABLE,
@@ -26,6 +27,7 @@ from mpfcad.optics.element import (
     Cavity,
     Element,
     Film,
+    LibraryFilm,
     Sheet,
     Slab,
 )
@@ -51,10 +53,11 @@ class Rows:
 
 
 class Shared:
-    """The tiles, phase functions and BSDF tables of a scene's elements."""
+    """The tiles, libraries, phase functions and BSDF tables of a scene's elements."""
 
     def __init__(self) -> None:
         self.tiles, self.phases, self.bsdfs = Rows(), Rows(), Rows()
+        self.libraries = Rows()
 
     def bsdf_row(self, table: BsdfTable | None, blend: float) -> float:
         """Return the row of a table, or -1 where there is none."""
@@ -169,6 +172,19 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
     return columns
 
 
+def _library_columns(placed: LibraryFilm, shared: Shared) -> Mapping[int, float]:
+    cosine, sine = quadrant(placed.rotation)
+    held = placed.library
+    return {
+        film.INDEX: placed.index,
+        film.INDEX_BELOW: placed.index_below,
+        film.OFFSET: placed.offset,
+        film.COSINE: cosine,
+        film.SINE: sine,
+        film.TILE: shared.libraries.number(id(held), held),
+    }
+
+
 def _bsdf_columns(thin: BsdfSheet, shared: Shared) -> Mapping[int, float]:
     return {TABLE: shared.bsdf_row(thin.table, thin.blend)}
 
@@ -179,5 +195,6 @@ _LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
     Slab: (SLAB, _slab_columns),
     Sheet: (SHEET, _sheet_columns),
     Film: (FILM, _film_columns),
+    LibraryFilm: (LIBRARY_FILM, _library_columns),
     BsdfSheet: (BSDF, _bsdf_columns),
 }

@@ -4,8 +4,9 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.cavity.passage import cavity_passage
-from mpfcad.optics.element import BSDF, CAVITY, SHEET, SLAB, TABLE
+from mpfcad.optics.element import BSDF, CAVITY, LIBRARY_FILM, SHEET, SLAB, TABLE
 from mpfcad.optics.film.passage import placed_film_passage
+from mpfcad.optics.library.passage import placed_library_passage
 from mpfcad.optics.sheet import INDEX, SIGMA, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
 
@@ -42,6 +43,10 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         passed, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
         weight *= survival
         way = 1 if passed == up else -1
+    elif kind == LIBRARY_FILM:
+        way, x, y, dx, dy, dz = placed_library_passage(
+            scene.library, parameter, up, x, y, dx, dy, dz, rng
+        )
     else:
         way, x, y, dx, dy, dz, survival = placed_film_passage(
             scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, rng

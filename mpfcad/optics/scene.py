@@ -19,6 +19,7 @@ from mpfcad.optics.cavity.emission import Emission, EmissionArrays
 from mpfcad.optics.cavity.finite import NO_WALL
 from mpfcad.optics.element import FILM, Cavity, Element, Film, Slab
 from mpfcad.optics.film.passage import TILE
+from mpfcad.optics.library.piece import LibraryArrays, build_libraries
 from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
 from mpfcad.optics.search.tile import ACCELERATORS, build_tile
 from mpfcad.optics.search.tile_table import TileTable, build_tile_table
@@ -40,6 +41,8 @@ class Scene(NamedTuple):
         the tiles of the films and of the prisms under scattering resin
     phase
         (r, STEPS+1) float64, tabulated phase functions
+    library
+        films that are pieces and their places
     bsdf
         the tables of all BSDF elements
     wall, lamp
@@ -57,6 +60,7 @@ class Scene(NamedTuple):
     tiles: TileTable
     phase: NDArray[np.float64]
     bsdf: BsdfArrays
+    library: LibraryArrays
     wall: NDArray[np.float64]
     lamp: NDArray[np.float64]
     led: NDArray[np.float64]
@@ -103,8 +107,11 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     phase = phase_table(shared.phases.entries)
     tables = shared.bsdfs.entries
     bsdf = build_bsdf([t for t, _ in tables], [blend for _, blend in tables])
+    library = build_libraries(shared.libraries.entries)
     sky = float(below), float(above)
-    return Scene(kind, parameter, table, phase, bsdf, wall, lamp, led, emission, length, *sky)
+    return Scene(
+        kind, parameter, table, phase, bsdf, library, wall, lamp, led, emission, length, *sky
+    )
 
 
 def _check_order(elements: list[Element]) -> None:

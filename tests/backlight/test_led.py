@@ -49,8 +49,8 @@ def test_presets_are_complete_and_lowered(tmp_path, name):
 
 @pytest.mark.parametrize(
     ("lattice", "period", "count"),
-    [("square", (12.1667, 12.1667), 1), ("staggered", (12.1667, 24.3334), 2),
-     ("hexagonal", (12.1667, 12.1667 * math.sqrt(3)), 2)],
+    [("square", (12.15, 12.15), 1), ("staggered", (12.15, 24.3), 2),
+     ("hexagonal", (12.15, 12.15 * math.sqrt(3)), 2)],
 )  # fmt: skip
 def test_lattices_repeat_over_their_cells(tmp_path, lattice, period, count):
     source = read_stack(write(tmp_path, f'lattice = "{lattice}"\nemission = "cosine"')).source
@@ -59,7 +59,7 @@ def test_lattices_repeat_over_their_cells(tmp_path, lattice, period, count):
     away = source.placed[:, :2] - source.placed[0, :2]
     if count == 2:
         assert np.hypot(*away[1]) == pytest.approx(
-            12.1667 if lattice == "hexagonal" else math.hypot(12.1667 / 2, 12.1667)
+            12.15 if lattice == "hexagonal" else math.hypot(12.15 / 2, 12.15)
         )
 
 
@@ -69,9 +69,9 @@ def test_a_list_with_fluxes_and_repeated_cells(tmp_path):
         write(tmp_path, 'lattice = "list"\npositions = "leds.csv"\nrepeat = [2, 1]\ndead = [3]')
     )
     placed = stack.source.placed
-    assert placed[:, 0] == pytest.approx([1, 7, 13.1667, 19.1667])
+    assert placed[:, 0] == pytest.approx([1, 7, 13.15, 19.15])
     assert placed[:, 2] == pytest.approx([1, 0.5, 0, 0.5])
-    assert stack.period == pytest.approx((24.3334, 12.1667)) and not stack.source.is_mirrored
+    assert stack.period == pytest.approx((24.3, 12.15)) and not stack.source.is_mirrored
     described = json.loads(json.dumps(stack.spec.describe()))
     assert restore_spec(described) == stack.spec
     assert any("leds.csv, SHA-256" in entry["source"] for entry in stack.spec.inputs())
@@ -82,7 +82,7 @@ def test_binning_spreads_flux_and_place_the_same_for_a_seed(tmp_path):
     values = "led_flux_spread = 0.1\nled_position_error_mm = 0.2"
     one, two = (read_stack(write(tmp_path, text, values)).source for _ in range(2))
     assert np.array_equal(one.placed, two.placed)
-    off = one.placed[:, :2] - np.round(one.placed[:, :2] / 12.1667) * 12.1667
+    off = one.placed[:, :2] - np.round(one.placed[:, :2] / 12.15) * 12.15
     # 400 LEDs: the spread of a standard deviation is 1/√800 of it; 4σ.
     assert one.placed[:, 2].std() == pytest.approx(0.1, abs=0.1 * 4 / math.sqrt(800))
     assert off.std() == pytest.approx(0.2, abs=0.2 * 4 / math.sqrt(1600))

@@ -89,7 +89,7 @@ def test_a_traced_cell_goes_through_record_page_and_terminal(found, capsys):
     page = _cell(record)
     assert page["cell"] and len(page["rows"]) > 8
     print_trace({"traced": {"tables": []}, **record}, as_json=False)
-    assert "cell 12.1667 × 12.1667 mm" in capsys.readouterr().out
+    assert "cell 12.15 × 12.15 mm" in capsys.readouterr().out
 
 
 def test_a_cell_needs_a_sheet_on_top(tmp_path):

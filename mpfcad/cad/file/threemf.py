@@ -12,16 +12,16 @@ from mpfcad.cad.shape.mesh import Mesh
 from mpfcad.cad.step.grooves import COLOURS
 from mpfcad.film import PrismFilm
 
-_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
-_XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
+XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
 _TYPES = (
-    f'{_XML}<Types xmlns="{_PACKAGE}/content-types"><Default Extension="rels" ContentType='
+    f'{XML}<Types xmlns="{_PACKAGE}/content-types"><Default Extension="rels" ContentType='
     '"application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" '
     'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
 )
 _RELATIONS = (
-    f'{_XML}<Relationships xmlns="{_PACKAGE}/relationships"><Relationship Id="model" Target='
+    f'{XML}<Relationships xmlns="{_PACKAGE}/relationships"><Relationship Id="model" Target='
     '"/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
     "</Relationships>"
 )
@@ -48,13 +48,17 @@ def write_3mf(film: PrismFilm, path: Path, angle_tolerance: float, *, name: str 
 
 def write_3mf_meshes(meshes: dict[str, Mesh], path: Path, name: str) -> None:
     """Write closed meshes as the components of one assembly, by the names of their bodies."""
-    path = Path(path)
+    store_package(Path(path), _model(meshes, name))
+
+
+def store_package(path: Path, model: Iterator[str]) -> None:
+    """Write a 3MF package about a model's text, whole or not at all."""
     part = path.with_name("." + path.name + ".part")
     try:
         with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
             _store(archive, "[Content_Types].xml", iter([_TYPES]))
             _store(archive, "_rels/.rels", iter([_RELATIONS]))
-            _store(archive, "3D/3dmodel.model", _model(meshes, name))
+            _store(archive, "3D/3dmodel.model", model)
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
@@ -71,7 +75,7 @@ def _store(archive: zipfile.ZipFile, name: str, chunks: Iterator[str]) -> None:
 
 def _model(meshes: dict[str, Mesh], name: str) -> Iterator[str]:
     """Yield the model: materials, a mesh object a body, the assembly, and what is to be built."""
-    yield f'{_XML}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">'
+    yield f'{XML}<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}">'
     yield f'<metadata name="Title">{quoteattr(name)[1:-1]}</metadata>'
     yield '<metadata name="Application">mpfcad</metadata><resources><basematerials id="1">'
     for body in meshes:
@@ -80,15 +84,20 @@ def _model(meshes: dict[str, Mesh], name: str) -> Iterator[str]:
     yield "</basematerials>"
     for index, (body, mesh) in enumerate(meshes.items()):
         yield f'<object id="{index + 2}" type="model" name="{body}" pid="1" pindex="{index}"><mesh>'
-        yield from _rows("vertices", f"vertex {_attributes('xyz', f'%.{DIGITS}g')}", mesh.vertices)
-        triangle = f"triangle {_attributes(('v1', 'v2', 'v3'), '%d')}"
-        yield from _rows("triangles", triangle, mesh.triangles)
+        yield from mesh_rows(mesh)
         yield "</mesh></object>"
     whole = len(meshes) + 2
     yield f'<object id="{whole}" type="model" name={quoteattr(name)}><components>'
     for index in range(len(meshes)):
         yield f'<component objectid="{index + 2}" transform="{_IN_PLACE}"/>'
     yield f'</components></object></resources><build><item objectid="{whole}"/></build></model>'
+
+
+def mesh_rows(mesh: Mesh) -> Iterator[str]:
+    """Yield a mesh's vertices and triangles."""
+    yield from _rows("vertices", f"vertex {_attributes('xyz', f'%.{DIGITS}g')}", mesh.vertices)
+    triangle = f"triangle {_attributes(('v1', 'v2', 'v3'), '%d')}"
+    yield from _rows("triangles", triangle, mesh.triangles)
 
 
 def _attributes(names: Sequence[str], form: str) -> str:

@@ -163,10 +163,15 @@ def _is_mirrored(lit: Lit) -> bool:
 
     A film whose mesh repeats many times in the cell counts as even.
     """
-    from mpfcad.optics.element import Film
+    from mpfcad.optics.element import Film, LibraryFilm
 
     period = min(lit.stack.period)
     for element in lit.elements:
+        if isinstance(element, LibraryFilm):
+            chosen = element.library.chosen
+            both = np.array_equal(chosen, chosen[::-1]) and np.array_equal(chosen, chosen[:, ::-1])
+            if not both or element.offset != 0.0:
+                return False
         if isinstance(element, Film) and max(element.mesh.size[:2]) * _EVEN > period:
             return False
     return bool(getattr(lit.stack.source, "is_mirrored", False))

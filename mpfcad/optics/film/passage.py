@@ -80,7 +80,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     if up:
         z = 0.0
     if up and tile.underside:
-        entered, dx, dy, dz = _underside(index_below, index, dx, dy, dz, rng)
+        entered, dx, dy, dz = underside(index_below, index, dx, dy, dz, rng)
         if not entered:
             return -1, x + base_x, y + base_y, dx, dy, dz, 1.0
         inside = True
@@ -116,7 +116,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         if k == -2:
             return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
         if k >= 0:
-            inside, dx, dy, dz = _facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+            inside, dx, dy, dz = facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
             continue
         if not inside:
             flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
@@ -130,7 +130,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         tiles_on = math.floor(x / tile.width) * tile.width
         x = min(max(x - tiles_on, 0.0), tile.width)
         base_x += tiles_on
-        left, dx, dy, dz = _underside(index, index_below, dx, dy, dz, rng)
+        left, dx, dy, dz = underside(index, index_below, dx, dy, dz, rng)
         if left:
             survival = math.exp(-absorption * travelled)
             return -1, x + base_x, y + base_y, dx, dy, dz, survival
@@ -138,7 +138,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
 
 
 @kernel
-def _underside(index_in, index_out, dx, dy, dz, rng):
+def underside(index_in, index_out, dx, dy, dz, rng):
     """Pass or reflect a ray at the flat underside: (passed, dx, dy, dz)."""
     ratio = index_in / index_out
     reflectance, cos_out = fresnel(abs(dz), ratio)
@@ -159,7 +159,7 @@ def unit(dx, dy, dz):
 
 
 @kernel
-def _facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
+def facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
     """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
     approach = dx * nx + dy * ny + dz * nz
     cos_in = min(1.0, abs(approach))

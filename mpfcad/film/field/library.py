@@ -1,0 +1,101 @@
+"""A film whose curvature varies in both directions as a library: few curvatures, and their places.
+
+Curvatures are rounded to levels of equal steps. What rounding leaves is handed on to the pieces
+that follow (error diffusion; Floyd and Steinberg, 1976), so means over many pieces are kept. A map
+that is its own mirror image stays so: a quarter is rounded and mirrored.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+from mpfcad.film.geometry import PrismFilm
+from mpfcad.film.groove import Groove
+
+#: Shares of what is left that go on: across, and to the three next along.
+_SHARES = ((0, 1, 7 / 16), (1, -1, 3 / 16), (1, 0, 5 / 16), (1, 1, 1 / 16))
+
+
+@dataclass(frozen=True, eq=False)
+class PieceLibrary:
+    """Groove pieces of few curvatures, and which stands where; lengths in mm.
+
+    Attributes
+    ----------
+    groove, base
+        the bare V groove; thickness below the valleys
+    length
+        of a piece along the groove
+    curvature
+        (k,) float64 [1/mm], C through the tips of each piece
+    chosen
+        (n, m) int64, the piece at each place across and along, from the lower left corner
+    """
+
+    groove: Groove
+    base: float
+    length: float
+    curvature: NDArray[np.float64]
+    chosen: NDArray[np.int64]
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent [mm] across and along."""
+        across, along = self.chosen.shape
+        return across * self.groove.pitch, along * self.length
+
+    @property
+    def fill_fraction(self) -> float:
+        """Mean fill of the grooves with resin."""
+        fill = self.groove.fill_fraction(self.curvature)
+        return float(np.mean(np.asarray(fill)[self.chosen]))
+
+    def piece(self, number: int) -> PrismFilm:
+        """Return one piece as a film of one groove."""
+        curvature = np.array([self.curvature[number]])
+        return PrismFilm(self.groove, self.base, self.length, "filled", curvature)
+
+
+def build_library(
+    groove: Groove, base: float, length: float, wanted: NDArray[np.float64], levels: int
+) -> PieceLibrary:
+    """Return the library of a map of curvatures (n, m) [1/mm], rounded to so many levels.
+
+    Raises
+    ------
+    InputError
+        when a curvature cannot be had by resin in the groove.
+    """
+    low, high = float(wanted.min()), float(wanted.max())
+    most = groove.curvature_empty
+    if not np.isfinite(wanted).all() or low < 0 or high > most:
+        raise InputError(f"map: C {low:.4g} … {high:.4g} /mm: expected 0 … {most:.6g} /mm")
+    if high - low < 1e-9:
+        return PieceLibrary(groove, base, length, np.array([low]), np.zeros(wanted.shape, np.int64))
+    level = np.linspace(low, high, max(2, levels))
+    n, m = wanted.shape
+    mirrored = np.allclose(wanted, wanted[::-1]) and np.allclose(wanted, wanted[:, ::-1])
+    if not mirrored:
+        return PieceLibrary(groove, base, length, level, diffused(wanted, level))
+    quarter = diffused(wanted[: -(-n // 2), : -(-m // 2)], level)
+    half = np.concatenate([quarter, quarter[: n // 2][::-1]])
+    chosen = np.concatenate([half, half[:, : m // 2][:, ::-1]], axis=1)
+    return PieceLibrary(groove, base, length, level, chosen)
+
+
+def diffused(wanted: NDArray[np.float64], level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the number of the level at each place, (n, m), what is left handed on."""
+    step, last = level[1] - level[0], len(level) - 1
+    rest = (wanted - level[0]) / step
+    chosen = np.zeros(wanted.shape, np.int64)
+    n, m = wanted.shape
+    for i in range(n):
+        for k in range(m):
+            chosen[i, k] = min(max(int(np.floor(rest[i, k] + 0.5)), 0), last)
+            left = rest[i, k] - chosen[i, k]
+            for down, right, share in _SHARES:
+                if i + down < n and 0 <= k + right < m:
+                    rest[i + down, k + right] += share * left
+    return chosen

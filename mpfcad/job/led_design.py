@@ -1,0 +1,85 @@
+"""The tables of a design for LEDs: how many films are printed, within what, and the search."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from mpfcad.job.design import Name
+from mpfcad.job.model import FilmTable, Positive, ResinTable, StackTable, Table
+from mpfcad.job.reader import read_document, validate
+
+KIND = "leds"
+
+
+class LedGoalTable(Table):
+    """`[goal]`: the contrast at which the search ends."""
+
+    contrast_target: Annotated[Positive, Field(le=1)] = 0.018
+
+
+class LedConstraintTable(Table):
+    """`[constraint]`: what the map may be, and how it is held."""
+
+    curvature_min_per_mm: Annotated[Positive, Field(le=10_000)] = 55.0
+    curvature_max_per_mm: Annotated[Positive, Field(le=10_000)] = 78.0
+    harmonics: Annotated[int, Field(ge=1, le=4)] = 2
+    levels: Annotated[int, Field(ge=2, le=1024)] = 64
+    piece_mm: Annotated[Positive, Field(le=10)] = 0.5
+
+    @model_validator(mode="after")
+    def _order(self) -> "LedConstraintTable":
+        low, high = self.curvature_min_per_mm, self.curvature_max_per_mm
+        if low >= high:
+            raise ValueError(f"curvature_max_per_mm = {high:g} must be above {low:g}")
+        return self
+
+
+class LedSearchTable(Table):
+    """`[search]`: uniform films tried first, corrections after, and paths of each trace."""
+
+    uniform_per_mm: Annotated[list[Positive], Field(min_length=1)] = Field(
+        default_factory=lambda: [58.0, 66.0, 74.0]
+    )
+    iterations: Annotated[int, Field(ge=0, le=20)] = 3
+    paths_million: Annotated[Positive, Field(le=1000)] = 2.0
+
+
+class LedDesign(Table):
+    """A whole design for LEDs.
+
+    `films`: 1, a printed film in the job's place; 2, one more crossed over it, in the place of the
+    stack's film that is turned by 90°, with the same curvature at the same place.
+    """
+
+    version: Literal[1] = Field(default=1, alias="schema")
+    kind: Literal["leds"]
+    name: Name
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
+    films: Literal[1, 2] = 2
+    goal: LedGoalTable = LedGoalTable()
+    constraint: LedConstraintTable = LedConstraintTable()
+    search: LedSearchTable = LedSearchTable()
+    film: FilmTable = FilmTable()
+    stack: StackTable
+    resin: ResinTable | None = None
+
+    def document(self) -> dict[str, Any]:
+        """Return the design as plain JSON values, every default written out."""
+        return self.model_dump(mode="json", by_alias=True)
+
+
+def is_led_design(path: Path) -> bool:
+    """Return whether a design file is for LEDs: `kind = "leds"`."""
+    return read_document(path).get("kind") == KIND
+
+
+def read_led_design(path: Path) -> LedDesign:
+    """Return the design in the TOML file at `path`.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read, is no TOML (naming the line), or a field is wrong.
+    """
+    return validate(LedDesign, read_document(path), str(path))

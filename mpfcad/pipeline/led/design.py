@@ -1,0 +1,149 @@
+"""`run_led_design`: printed films for LEDs, found and traced from the files that are shipped."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.backlight import Stack
+from mpfcad.errors import InputError
+from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
+from mpfcad.film import PieceLibrary
+from mpfcad.job.led_design import LedDesign
+from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
+from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, write_films
+from mpfcad.pipeline.led.search import LedSearch, Tried
+from mpfcad.pipeline.plan.plan import read_job_stack
+from mpfcad.pipeline.progress import SILENT, Progress
+
+RECORD, MAP = "design.json", "curvature-cell.npz"
+
+
+def run_led_design(
+    design: LedDesign,
+    design_file: Path,
+    out: Path,
+    *,
+    effort: str = "standard",
+    threads: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Find the map, write films, stack, map and record into `out`, and return the record.
+
+    What the record states last is traced from the written files, to the half-width of `effort`.
+
+    Raises
+    ------
+    InputError
+        when the design is wrong or `out` is something else; `out` is then as it was.
+    """
+    from mpfcad.record import describe_cell
+
+    design_file, out = Path(design_file), Path(out)
+    refuse_foreign(out.resolve(), "led-design")
+    stack = read_job_stack(design, design_file)  # type: ignore[arg-type]
+    if stack.period.along <= 0:
+        raise InputError(f"{design_file}: stack: {stack.name}: tubes light it: expected LEDs")
+    count = threads or available_threads()
+
+    def base(folder: Path) -> str:
+        if design.stack.file is None:
+            return str(design.stack.preset)
+        return os.path.relpath(design_file.parent / design.stack.file, folder)
+
+    def tried(chosen: CellMap) -> CellResult:
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            write_films(design, stack, base(folder), chosen, folder)
+            paths = round(design.search.paths_million * 1e6)
+            run = TraceRun(design.seed, count, paths, progress=progress.trace)
+            progress.stage(f"tracing C = {chosen.coefficient[0, 0]:.3g} /mm")
+            return _trace(folder, run, NO_GOAL)
+
+    search = LedSearch(design, tried)
+    best = search.run()
+    with export_folder(out, "led-design") as folder:
+        films = write_films(design, stack, base(out), best.map, folder)
+        _write_map(folder / MAP, films[0])
+        progress.stage(f"tracing {FILM} in {STACK}")
+        setting = TRACE_SETTINGS[effort]
+        run = TraceRun(design.seed + 1, count, setting.path_limit, progress=progress.trace)
+        with tempfile.TemporaryDirectory() as temporary:
+            # From a copy of the shipped films; the stack's base is found from where it will lie.
+            copy = Path(temporary)
+            for name in (FILM, CROSSED):
+                if (folder / name).is_file():
+                    (copy / name).write_bytes((folder / name).read_bytes())
+            text = (folder / STACK).read_text("utf-8")
+            (copy / STACK).write_text(text.replace(base(out), base(copy), 1), "utf-8")
+            found = _trace(copy, run, setting.half_width_goal)
+        record = {
+            "schema": 1,
+            "name": design.name,
+            "design": design.document(),
+            "optical_distance_mm": _distance(stack),
+            "height_over_pitch": _distance(stack) / max(stack.period),
+            "series_per_mm": best.map.coefficient.tolist(),
+            "films": [_describe_film(film) for film in films],
+            "tried": [_describe_tried(one) for one in search.tried],
+            "effort": effort,
+            "found": describe_cell(found, run.seed),
+        }
+        write_text(folder / RECORD, canonical_json(record))
+        write_manifest(folder, design.name, "led-design")
+    return record
+
+
+def _trace(folder: Path, run: TraceRun, goal: float) -> CellResult:
+    from mpfcad.backlight import read_stack
+
+    lit = light_film(read_stack(folder / STACK), folder / FILM)
+    return luminance_over_cell(lit, run, half_width_goal=goal)
+
+
+def _distance(stack: Stack) -> float:
+    """Return the optical distance [mm]: reflector to plate, and the plate over its index."""
+    return stack.thickness + stack["plate_thickness_mm"] / stack["plate_index"]
+
+
+def _write_map(path: Path, film: PieceLibrary) -> None:
+    """Write the film's curvatures as its file holds them, at the pieces' middles."""
+    n, m = film.chosen.shape
+    arrays = {
+        "position_across_mm": (np.arange(n) + 0.5) * film.groove.pitch,
+        "position_along_mm": (np.arange(m) + 0.5) * film.length,
+        "curvature_per_mm": film.curvature[film.chosen].T,
+    }
+    np.savez(path, **arrays)
+
+
+def _describe_film(film: PieceLibrary) -> dict[str, Any]:
+    used = film.curvature[film.chosen]
+    fill = np.asarray(film.groove.fill_fraction(used))
+    return {
+        "size_mm": list(film.size),
+        "pieces": len(np.unique(film.chosen)),
+        "places": list(film.chosen.shape),
+        "curvature_min_per_mm": float(used.min()),
+        "curvature_max_per_mm": float(used.max()),
+        "fill_min": float(fill.min()),
+        "fill_mean": float(fill.mean()),
+        "fill_max": float(fill.max()),
+    }
+
+
+def _describe_tried(one: Tried) -> dict[str, Any]:
+    contrast = one.found.contrast
+    return {
+        "series_per_mm": one.map.coefficient.tolist(),
+        "harmonic": one.harmonic.tolist(),
+        "lamp_mura_contrast": {
+            "value": contrast.value,
+            "ci95": [contrast.low, contrast.high],
+            "standard_error": contrast.standard_error,
+        },
+        "paths": one.found.paths,
+    }

@@ -1,0 +1,143 @@
+"""A design for LEDs: its maps, its search on a model, its files, and one whole run."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from mpfcad.backlight import read_stack
+from mpfcad.errors import InputError
+from mpfcad.job.led_design import is_led_design, read_led_design
+from mpfcad.optics.library.file import read_library
+from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, write_films
+from mpfcad.pipeline.led.search import TWO, LedSearch, Tried
+
+
+def design(tmp_path, text="", films=2):
+    path = tmp_path / "design.toml"
+    path.write_text(
+        f'schema = 1\nkind = "leds"\nname = "d"\nfilms = {films}\n'
+        '[stack]\npreset = "mini-led-4mm"\n' + text
+    )
+    return read_led_design(path)
+
+
+def test_a_map_is_held_by_both_films_at_the_same_place(tmp_path):
+    coefficient = np.zeros((3, 3))
+    coefficient[0, 0], coefficient[1, 0], coefficient[0, 2] = 66.0, 3.0, 1.0
+    stack = read_stack("mini-led-4mm")
+    write_films(
+        design(tmp_path, "[constraint]\npiece_mm = 0.2\nlevels = 256\n"),
+        stack, "mini-led-4mm", CellMap(coefficient), tmp_path,
+    )  # fmt: skip
+    shipped = read_stack(tmp_path / STACK)
+    assert shipped.files() == {"crossed_film": tmp_path / CROSSED}
+    assert shipped["crossed_film.rotation_deg"] == 90 and shipped.layers == stack.layers
+    for name, turned in ((FILM, False), (CROSSED, True)):
+        film = read_library(tmp_path / name)
+        assert film.size == pytest.approx((4.0, 4.0)) and film.chosen.shape == (80, 20)
+        # C of a piece from its volume under the tips: resin is lowest in the middle.
+        middle = np.array([np.interp(0.025, *section.T) for section in film.section])
+        found = 2 * (film.high - middle[film.chosen]) / 0.025**2
+        u, v = (np.arange(80) + 0.5) / 80, (np.arange(20) + 0.5) / 20
+        expected = CellMap(coefficient.T if turned else coefficient).at(u, v)
+        means = [part.reshape(8, 10, 5, 4).mean(axis=(1, 3)) for part in (found, expected)]
+        assert np.abs(means[0] - means[1]).max() < 0.02
+
+
+class Model:
+    """Luminance that answers to the map as two films do, on top of what the LEDs leave."""
+
+    def __init__(self, bare):
+        self.bare = bare
+
+    def __call__(self, chosen):
+        response = 1.3 * TWO * 2 ** ((chosen.coefficient[0, 0] - 74) / 10)
+        harmonic = self.bare + response * chosen.coefficient
+        harmonic[0, 0] = 0.0
+        return harmonic
+
+
+@pytest.fixture
+def model(monkeypatch):
+    bare = np.array([[0.0, 0.03, -0.01], [0.02, 0.01, 0.0], [0.004, 0.0, 0.0]])
+    answer = Model(bare)
+
+    def attempt(self, coefficient):
+        chosen = CellMap(coefficient)
+        harmonic = answer(chosen)
+
+        class Found:
+            class contrast:
+                value = float(np.abs(harmonic).sum())
+
+        self.tried.append(Tried(chosen, Found(), harmonic))
+        return self.tried[-1]
+
+    monkeypatch.setattr(LedSearch, "_try", attempt)
+
+
+def test_each_harmonic_is_corrected_by_its_own(tmp_path, model):
+    text = "[constraint]\ncurvature_min_per_mm = 20.0\ncurvature_max_per_mm = 79.0\n"
+    text += "[search]\niterations = 6\nuniform_per_mm = [60.0]\n[goal]\ncontrast_target = 1e-4\n"
+    search = LedSearch(design(tmp_path, text), None)
+    first = 0.074
+    best = search.run()
+    assert search.tried[0].found.contrast.value == pytest.approx(first)
+    assert best.found.contrast.value < 0.02 * first
+
+
+def test_a_pattern_is_held_within_its_limits(tmp_path, model):
+    text = "[constraint]\ncurvature_min_per_mm = 64.0\ncurvature_max_per_mm = 68.0\n"
+    search = LedSearch(design(tmp_path, text + "[search]\nuniform_per_mm = [66.0]\n"), None)
+    best = search.run()
+    place = np.arange(64) / 64
+    value = best.map.at(place, place)
+    assert value.min() >= 64 - 1e-9 and value.max() <= 68 + 1e-9
+    assert 0.4 * 0.074 < best.found.contrast.value < 0.074
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[constraint]\ncurvature_min_per_mm = 78\ncurvature_max_per_mm = 70\n", "must be above"),
+        ("[film]\npitch_um = 47.0\ndepth_um = 23.5\n", "whole number of grooves"),
+    ],
+)
+def test_designs_that_cannot_be(tmp_path, text, words):
+    with pytest.raises(InputError, match=words):
+        one = design(tmp_path, text)
+        write_films(one, read_stack("mini-led-4mm"), "mini-led-4mm", _even(60.0), tmp_path)
+
+
+def _even(curvature):
+    coefficient = np.zeros((3, 3))
+    coefficient[0, 0] = curvature
+    return CellMap(coefficient)
+
+
+def test_two_films_need_one_across_in_the_stack(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text('extends = "mini-led-4mm"\nlayers = ["clear_plate", "film", "top_sheet"]\n')
+    with pytest.raises(InputError, match="expected a layer of kind bef with rotation_deg 90"):
+        write_films(design(tmp_path), read_stack(path), "own.toml", _even(60.0), tmp_path)
+    films = write_films(
+        design(tmp_path, films=1), read_stack(path), str(path), _even(60.0), tmp_path
+    )
+    assert len(films) == 1 and not math.isnan(films[0].fill_fraction)
+
+
+@pytest.mark.slow
+def test_a_design_from_file_to_record(tmp_path):
+    from mpfcad.pipeline.led.design import run_led_design
+
+    text = "[search]\npaths_million = 0.3\niterations = 1\nuniform_per_mm = [60.0]\n"
+    one = design(tmp_path, text)
+    assert is_led_design(tmp_path / "design.toml")
+    record = run_led_design(one, tmp_path / "design.toml", tmp_path / "out", effort="quick")
+    assert json.loads((tmp_path / "out" / "design.json").read_text()) == record
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {FILM, CROSSED, STACK, "curvature-cell.npz", "manifest.json"} <= names
+    low, high = record["found"]["lamp_mura_contrast"]["ci95"]
+    assert 0 <= low < high < 0.2 and len(record["tried"]) == 2
