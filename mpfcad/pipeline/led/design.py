@@ -112,7 +112,7 @@ def _distance(stack: Stack) -> float:
 def _write_map(path: Path, film: PieceLibrary) -> None:
     """Write the film's curvatures as its file holds them, at the pieces' middles."""
     n, m = film.chosen.shape
-    arrays = {
+    arrays: dict[str, Any] = {
         "position_across_mm": (np.arange(n) + 0.5) * film.groove.pitch,
         "position_along_mm": (np.arange(m) + 0.5) * film.length,
         "curvature_per_mm": film.curvature[film.chosen].T,
