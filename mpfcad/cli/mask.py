@@ -43,6 +43,9 @@ def command(
         float | None, typer.Option("--emulsion-um", help="Over mesh, instead.")
     ] = None,
     period_um: Annotated[float | None, typer.Option("--period-um", help="Instead.")] = None,
+    solids: Annotated[
+        float | None, typer.Option("--solids", help="Fraction of the resin, instead.")
+    ] = None,
     polarity: Annotated[
         str | None, typer.Option("--polarity", help="open or closed, instead.")
     ] = None,
@@ -61,6 +64,7 @@ def command(
         name: value
         for name, value in (
             ("mesh.name", mesh), ("mesh.emulsion_um", emulsion_um), ("period_um", period_um),
+            ("process.solids_fraction", solids),
             ("polarity", polarity), ("mirror", mirror), ("revision", revision),
         )
         if value is not None

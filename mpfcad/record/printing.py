@@ -64,7 +64,7 @@ def print_gates(
         return []
     return [
         *_release_gate(printing),
-        *_ratio_gates(checks, limits),
+        *_ratio_gates(checks, printing, limits),
         *_feature_gates(checks, printing),
         Gate(f"{PREFIX}ripple_per_mm", printing.ripple, limits.ripple_curvature),
         Gate(f"{PREFIX}ripple_luminance", printing.ripple_luminance, limits.ripple_luminance),
@@ -101,12 +101,15 @@ def _release_gate(printing: Printing) -> list[Gate]:
     return [Gate(f"{PREFIX}release", printing.release, 1.0, interval)]
 
 
-def _ratio_gates(checks: Mapping[str, MaskCheck], limits: PrintLimits) -> list[Gate]:
+def _ratio_gates(
+    checks: Mapping[str, MaskCheck], printing: Printing, limits: PrintLimits
+) -> list[Gate]:
     is_open = [check.aperture_ratio[check.aperture_ratio > 1e-4] for check in checks.values()]
     if not all(ratio.size for ratio in is_open):
         return []
-    least = min(float(ratio.min()) for ratio in is_open)
-    most = max(float(ratio.max()) for ratio in is_open)
+    # Of a map of both directions the means of whole grooves say less than its own ends.
+    least = min(printing.ratio_min, *(float(ratio.min()) for ratio in is_open))
+    most = max(printing.ratio_max, *(float(ratio.max()) for ratio in is_open))
     return [
         Gate(f"{PREFIX}ratio_min", least, limits.ratio_min, at_least=True),
         Gate(f"{PREFIX}ratio_max", most, limits.ratio_max),

@@ -84,3 +84,22 @@ def test_the_ripple_s_closed_form_is_that_of_the_mask():
         found = levelling_residual(mask)
         wanted = slot_ripple(found.groove_ratio[0], mask.period, length)
         assert found.groove_rms[0] == pytest.approx(float(wanted), rel=0.03)
+
+
+def test_a_map_of_both_directions_prints_through_auto(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    x, y = np.linspace(0, 34, 18), np.linspace(0, 60, 31)
+    names = ("position_across_mm", "position_along_mm", "curvature_per_mm")
+    curvature = 57 + 5 * np.cos(x / 5) * np.cos(y[:, None] / 9)
+    np.savez("field.npz", **dict(zip(names, (x, y, curvature), strict=True)))
+    job(tmp_path, 'file = "field.npz"\nextent = "panel"', '[mask]\nmesh = "auto"')
+    assert run_app(["mask", "job.toml", "--format", "oas", "--out", "out"]) == 0
+    screen = json.loads((tmp_path / "out" / "screen.json").read_text("utf-8"))
+    gates = {gate["name"]: gate for gate in screen["gates"]}
+    assert screen["printability"] == "PASS"
+    # Ratios are those of the map's ends, not of whole grooves' means.
+    low, high = screen["order"]["aperture_ratio"]
+    assert high > 1.8 * low
+    assert gates["screen_ratio_min"]["value"] == pytest.approx(low, abs=1e-3)
+    # A slot drawn groove by groove is one aperture: its length counts, not the groove's width.
+    assert gates["screen_aperture_um"]["value"] > 50.5

@@ -116,7 +116,12 @@ def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask
     width, length = round(mask.width / GRID), round(mask.length / GRID)
     if found.outline != (0, 0, width, length):
         raise ExportError(f"{path}: outline {found.outline}: wanted {(0, 0, width, length)} (nm)")
-    tally = Tally(path, _groove_edges(mask, phototool), *_squares(mask, phototool))
+    tally = Tally(
+        path,
+        _groove_edges(mask, phototool),
+        *_squares(mask, phototool),
+        is_slot=mask.rules.pattern == "slot",
+    )
     for array in found.arrays():
         tally.add(array)
     is_open = found.drawn == "open"

@@ -27,6 +27,8 @@ class Tally:
         (n + 1,) int64, tips
     along, across
         edges of the squares
+    is_slot
+        whether listed apertures are grooves' parts of slots across them: only their length counts
     groove_area
         (n,) float64, area of the apertures over each groove
     square_area
@@ -43,6 +45,7 @@ class Tally:
     groove_edge: NDArray[np.int64]
     along: NDArray[np.float64]
     across: NDArray[np.float64]
+    is_slot: bool = False
     count: int = 0
     smallest_aperture: int | None = None
     smallest_web: int | None = None
@@ -106,7 +109,9 @@ class Tally:
         if gap.min(initial=0) < 0:
             groove = int(np.searchsorted(self.groove_edge, left, side="right")) - 1
             raise ExportError(f"{self.path}: groove {groove} (counted from 0): apertures overlap")
-        self._note(min(width, height), int(gap.min()) if len(gap) else None)
+        self._note(
+            height if self.is_slot else min(width, height), int(gap.min()) if len(gap) else None
+        )
         total = float(len(bottom) * width * height)
         first = np.searchsorted(self.groove_edge, left, side="right") - 1
         edge = np.clip(self.groove_edge[first : first + 2], left, left + width)
@@ -136,7 +141,9 @@ class Tally:
             at = left[overlap[0]]
             first = int(np.searchsorted(self.groove_edge, at, side="right")) - 1
             raise ExportError(f"{self.path}: groove {first} (counted from 0): apertures overlap")
-        self._note(min(width, height), int(gap.min()) if len(gap) else None)
+        self._note(
+            height if self.is_slot else min(width, height), int(gap.min()) if len(gap) else None
+        )
         groove, over = _split(self.groove_edge, left, width)
         grooves = len(self.groove_area)
         self.groove_area += height * np.bincount(groove, width - over, minlength=grooves)
@@ -171,6 +178,10 @@ class Tally:
             )
             wide = np.where(first + k <= last, np.maximum(wide, 0), 0)
             np.add.at(self._turned, square, (length * wide).T)
+
+    def _side(self, width: int, height: int) -> int:
+        """Return the narrower side of listed apertures that counts."""
+        return height if self.is_slot else min(width, height)
 
     def _note(self, aperture: int | None, web: int | None) -> None:
         for name, size in (("smallest_aperture", aperture), ("smallest_web", web)):

@@ -79,12 +79,11 @@ def wedge_ratios(mask: Mask) -> tuple[float, ...]:
     The six are evenly spaced in their logarithm, from the smallest ratio over `BEYOND` to the
     largest times that (at most 0.9), to three digits.
     """
-    wanted = mask.wanted_ratio
-    is_open = wanted[wanted > 1e-9]
-    if not is_open.size:
+    smallest, largest = mask.ratio_ends
+    if not largest:
         return USUAL_RATIOS
-    low = max(float(is_open.min()) / BEYOND, 0.001)
-    high = max(min(float(is_open.max()) * BEYOND, 0.9), 2 * low)
+    low = max(smallest / BEYOND, 0.001)
+    high = max(min(largest * BEYOND, 0.9), 2 * low)
     steps = np.geomspace(low, high, 6)
     return (0.0, *(float(f"{ratio:.3g}") for ratio in steps), 1.0)
 

@@ -13,13 +13,14 @@ so that apertures over groove area is a, but for rounding to the grid.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm, Process
-from mpfcad.mask.aperture import Mask
+from mpfcad.mask.aperture import Mask, ends_of
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.rule import GRID, MaskRules, check_rules
 
@@ -81,6 +82,11 @@ class GrooveMask(Mask):
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
         area = self.across.astype(float) * self.along * self.count * GRID**2
         return np.asarray(area / (self.pitch * self.length), np.float64)
+
+    @cached_property
+    def ratio_ends(self) -> tuple[float, float]:
+        """Smallest wanted ratio above 0, and the largest, of the grooves."""
+        return ends_of(self.groove_ratio)
 
     @property
     def wanted_ratio(self) -> NDArray[np.float64]:

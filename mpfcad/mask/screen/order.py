@@ -69,10 +69,9 @@ def edge_tolerance(mask: Mask, process: Process, curvature: float) -> float | No
     So much changes the most sensitive groove's curvature by `curvature` [1/mm], when all its
     apertures are off alike.
     """
-    ratio = mask.wanted_ratio[mask.wanted_ratio > 1e-9]
-    if not ratio.size:
+    ends = np.array(mask.ratio_ends)
+    if not ends[1]:
         return None
-    ends = np.array([ratio.min(), ratio.max()])
     low = process.curvature(ends) - curvature
     there = process.aperture_ratio_of_curvature(np.maximum(low, process.curvature_min))
     change = float(np.abs(there - ends).min())
@@ -92,8 +91,6 @@ def describe_order(
     left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
     artwork = (right - left, top - bottom)
     frame = terms.frame or tuple(float(np.ceil(FRAME_SHARE * side / 10) * 10) for side in artwork)
-    wanted = mask.wanted_ratio
-    is_open = wanted > 1e-9
     return {
         "name": mask.name,
         "revision": terms.revision,
@@ -113,9 +110,7 @@ def describe_order(
         "smallest_web_um": None if web is None else web / um,
         "edge_tolerance_um": None if tolerance is None else tolerance / um,
         "edge_tolerance_curvature_per_mm": terms.curvature_tolerance,
-        "aperture_ratio": [float(wanted[is_open].min()), float(wanted.max())]
-        if is_open.any()
-        else [0.0, 0.0],
+        "aperture_ratio": list(mask.ratio_ends),
         "groove_direction": "y",
         "squeegee": terms.squeegee,
         "panel_mm": [mask.width, mask.length],

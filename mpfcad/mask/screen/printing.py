@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from mpfcad.film import Process
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.fabric import Mesh
+from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.pattern.levelling import levelling_residual
-from mpfcad.units import um
+from mpfcad.units import mm, um
 
+#: Side of the squares that a map of both directions is looked at in.
+SQUARE = 1.0 * mm
 #: |d ln L/dC| [mm] that a ripple is judged by. Uniform films of C = 56, 60 and 64 /mm in the 16 mm
 #: stack that ships, traced by this program: at most 0.0048 ± 0.0010 of 33 places over a lamp pitch;
 #: three times that, because it grows below C = 56 /mm (docs/process.md).
@@ -99,9 +102,13 @@ def find_printing(
     `registration` [mm] is how far the print may be shifted across; `release` the share of the
     mesh's volume that leaves, with the deviation of its logarithm.
     """
-    wanted = mask.wanted_ratio
+    # A map of both directions: by squares; a groove's mean says too little.
+    wanted, step = (
+        (mask.wanted_ratio, mask.pitch)
+        if isinstance(mask, GrooveMask)
+        else (mask.wanted_map(SQUARE), SQUARE)
+    )
     is_open = wanted > 1e-9
-    ends = (float(wanted[is_open].min()), float(wanted.max())) if is_open.any() else (0.0, 0.0)
     residual = levelling_residual(mask)
     ripple = curvature_ripple(process, residual.groove_ratio, residual.groove_rms)
     worst = int(np.argmax(ripple))
@@ -109,15 +116,15 @@ def find_printing(
         mesh=mask.rules.mesh,
         aperture_limit=mask.rules.aperture_limit,
         web_limit=mask.rules.web_limit,
-        ratio_min=ends[0],
-        ratio_max=ends[1],
+        ratio_min=mask.ratio_ends[0],
+        ratio_max=mask.ratio_ends[1],
         release=None if release is None else release[0],
         release_deviation=None if release is None else release[1],
         ripple=float(ripple[worst]),
         ripple_groove=int(residual.groove[worst]),
         levelling_length=residual.levelling_length,
         registration=registration,
-        registration_curvature=_shifted(process.curvature(wanted), registration / mask.pitch),
+        registration_curvature=_shifted(process.curvature(wanted), registration / step),
         curvature_half_width=_half_width(process, wanted[is_open]),
     )
 
@@ -134,11 +141,17 @@ def curvature_ripple(
     return slope * fill * share
 
 
-def _shifted(curvature: NDArray[np.float64], grooves: float) -> float:
-    """Return the largest |C of a groove - C of one so many grooves aside| [1/mm]."""
-    place = np.arange(len(curvature))
-    moved = [np.interp(place + s * grooves, place, curvature) for s in (-1, 1)]
-    return float(max(np.abs(values - curvature).max() for values in moved))
+def _shifted(curvature: NDArray[np.float64], steps: float) -> float:
+    """Return the largest |C - C so many steps aside| [1/mm] across, of one row or of rows."""
+    rows = np.atleast_2d(curvature)
+    place = np.arange(rows.shape[1])
+    return float(
+        max(
+            np.abs(np.interp(place + sign * steps, place, row) - row).max()
+            for row in rows
+            for sign in (-1, 1)
+        )
+    )
 
 
 def _half_width(process: Process, ratio: NDArray[np.float64]) -> float | None:

@@ -32,15 +32,19 @@ def changed_job(job: Job, changes: dict[str, Any], where: str) -> Job:
 def _changed(given: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     mask = dict(given.get("mask", {}))
     mesh = dict(mask.get("mesh") or {})
+    process = dict(given.get("process", {}))
     for name, value in changes.items():
         if name == "mesh.name":
             kept = {k: v for k, v in mesh.items() if k in MESH_FIELDS}
             mesh = {**kept, "name": value}
         elif name.startswith("mesh."):
             mesh[name.removeprefix("mesh.")] = value
+        elif name.startswith("process."):
+            process[name.removeprefix("process.")] = value
         else:
             mask[name] = value
-    return {**given, "mask": {**mask, **({"mesh": mesh} if mesh else {})}}
+    mask = {**mask, **({"mesh": mesh} if mesh else {})}
+    return {**given, "mask": mask, **({"process": process} if process else {})}
 
 
 def restore_mask_plan(folder: Path, changes: dict[str, Any]) -> MaskPlan:
