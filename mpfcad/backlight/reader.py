@@ -8,6 +8,7 @@ from typing import Any
 from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
 from mpfcad.backlight.check import check_layers
 from mpfcad.backlight.derive import derive
+from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM, LAWS, dispersed
 from mpfcad.backlight.layer import read_layer
 from mpfcad.backlight.quantity import ranges_with, read_quantity
 from mpfcad.backlight.source import SourceSpec, TubeSpec, read_spec
@@ -72,8 +73,9 @@ def _read_stack(
     if extent is None:
         raise InputError(f"{where}: extent: {text.extent}: must be one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
+    _, wavelength = text.value.get("light_wavelength_nm", ("", DEFAULT_WAVELENGTH_NM))
     quantity = {
-        key: read_quantity(at, key, entry, own, text.spec)
+        key: read_quantity(at, key, dispersed(at, key, entry, wavelength), own, text.spec)
         for key, (at, entry) in text.value.items()
     }
     missing = [key for key in ranges_with(text.spec) if key not in quantity]
@@ -116,7 +118,7 @@ def _flat(where: str, values: Mapping[str, Any]) -> dict[str, tuple[str, object]
         if (
             isinstance(entry, Mapping)
             and "value" not in entry
-            and not {"tag", "source", "sigma", "range"} & {*entry}
+            and not {"tag", "source", *LAWS} & {*entry}
         ):
             flat.update({f"{key}.{inner}": (where, value) for inner, value in entry.items()})
         else:

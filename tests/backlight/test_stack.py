@@ -148,7 +148,10 @@ def test_unknown_presets_and_missing_files(tmp_path):
         ("[value]\nfilm_index = true\n", ["film_index", "number"]),
         ('[value]\nfilm_index = "1.5"\n', ["film_index", "number"]),
         ("[value]\nlamp_count = 11.5\n", ["lamp_count", "whole"]),
-        ("[value]\nfilm_index = { value = 1.5, tg = 3 }\n", ["film_index", "value, tag, source"]),
+        (
+            "[value]\nfilm_index = { value = 1.5, tg = 3 }\n",
+            ["film_index", "sigma, source, tag, value"],
+        ),
         ('[value]\nfilm_index = { tag = "given" }\n', ["film_index"]),
         (
             '[value]\nfilm_index = { value = 1.5, tag = "guess" }\n',

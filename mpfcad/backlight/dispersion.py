@@ -1,0 +1,76 @@
+"""Refractive indices that depend on the wavelength, at the stack's wavelength.
+
+An index may be given by its material: `{ cauchy = [A, B, C] }` is n = A + B/λ² + C/λ⁴,
+`{ sellmeier = [B1, C1, B2, C2, …] }` is n² = 1 + Σ B λ²/(λ² - C) (W. Sellmeier, 1871), λ in µm, and
+`{ table_nm = [[450, 1.51], …] }` is linear between its wavelengths.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mpfcad.errors import InputError
+
+LAWS = ("cauchy", "sellmeier", "table_nm")
+#: Where a stack states no wavelength.
+DEFAULT_WAVELENGTH_NM = 550.0
+_MOST = 10
+
+
+def dispersed(where: str, key: str, entry: Any, wavelength_nm: object) -> Any:
+    """Return an entry as `read_quantity` takes it: a law of dispersion as its number.
+
+    Raises
+    ------
+    InputError
+        when the law is no law, its numbers are none, or the wavelength is none.
+    """
+    if not isinstance(entry, Mapping) or not set(entry) & set(LAWS):
+        return entry
+    laws = sorted(set(entry) & set(LAWS))
+    if not key.endswith("index") or len(laws) > 1 or "value" in entry:
+        raise InputError(f"{where}.{key}: {', '.join(sorted(entry))}: expected one law of an index")
+    if isinstance(wavelength_nm, Mapping):
+        wavelength_nm = wavelength_nm.get("value")
+    if not isinstance(wavelength_nm, int | float) or isinstance(wavelength_nm, bool):
+        raise InputError(
+            f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm}: expected a number"
+        )
+    index = _index(f"{where}.{key}: {laws[0]}", laws[0], entry[laws[0]], float(wavelength_nm))
+    rest = {name: value for name, value in entry.items() if name not in LAWS}
+    said = f"{laws[0]} at {wavelength_nm:g} nm"
+    return {**rest, "value": index, "source": f"{rest.get('source', 'given by the user')}; {said}"}
+
+
+def _index(where: str, law: str, numbers: object, wavelength_nm: float) -> float:
+    """Return the index at a wavelength."""
+    try:
+        values = np.array(numbers, float)
+    except (TypeError, ValueError):
+        values = np.array([])
+    rows = 2 if law == "table_nm" else 1
+    if not (0 < values.size <= 1000 and values.ndim == rows and np.isfinite(values).all()):
+        raise InputError(f"{where}: {numbers}: expected numbers")
+    square = (wavelength_nm / 1000) ** 2
+    if law == "cauchy" and len(values) <= _MOST:
+        return float(sum(a / square**k for k, a in enumerate(values)))
+    if law == "sellmeier" and len(values) % 2 == 0 and len(values) <= _MOST:
+        terms = values.reshape(-1, 2)
+        if (terms[:, 1] == square).any():
+            raise InputError(
+                f"{where}: {numbers}: resonance at the wavelength {wavelength_nm:g} nm"
+            )
+        return math.sqrt(max(0.0, 1 + float((terms[:, 0] * square / (square - terms[:, 1])).sum())))
+    if law == "table_nm" and values.shape[1] == 2 and (np.diff(values[:, 0]) > 0).all():
+        if not values[0, 0] <= wavelength_nm <= values[-1, 0]:
+            raise InputError(
+                f"{where}: {values[0, 0]:g} … {values[-1, 0]:g} nm: does not cover "
+                f"light_wavelength_nm {wavelength_nm:g}"
+            )
+        return float(np.interp(wavelength_nm, values[:, 0], values[:, 1]))
+    expected = {
+        "cauchy": "A, B, C", "sellmeier": "pairs B, C", "table_nm": "rising [wavelength, index]",
+    }  # fmt: skip
+    raise InputError(f"{where}: {numbers}: expected {expected[law]}")
