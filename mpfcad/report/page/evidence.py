@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
-from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm, PrismFilm
+from mpfcad.film import PrismFilm
+from mpfcad.report.page.film_kind import Drawn, FilmKind, kind_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,21 +40,16 @@ class Evidence:
     stack: Stack
     panel: PrismFilm
     piece: PrismFilm
-    drawn: PrismFilm | MadeFilm | CellFilm | FieldPiece
+    drawn: Drawn
     first_groove: int
     lamp_position: float
     mask_period: float
     aperture_ratio: NDArray[np.float64] | None
 
     @property
-    def made(self) -> MadeFilm:
-        """The drawn film as grooves; of cells, one groove with their section through the tips."""
-        if isinstance(self.drawn, MadeFilm):
-            return self.drawn
-        film = self.piece
-        if isinstance(self.drawn, CellFilm):
-            film = film.cut(0, 1, film.length)
-        return MadeFilm(film, Imperfection())
+    def kind(self) -> FilmKind:
+        """The words and drawings of the film's kind."""
+        return kind_of(self.drawn, self.piece)
 
     @property
     def shown_groove(self) -> dict[str, int]:

@@ -3,7 +3,6 @@
 from base64 import b64encode
 from typing import Any
 
-from mpfcad.film import CellFilm
 from mpfcad.report.drawing.mask_drawing import draw_mask
 from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.number import number
@@ -31,9 +30,7 @@ def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
     if record["mask"] is None and record["process"] is not None:
         return {"reason": "no file reads back as the one that was written"}
     if record["mask"] is None:
-        cells = isinstance(evidence.drawn, CellFilm)
-        reason = "cells have no printing process" if cells else "an ideal film cannot be printed"
-        return {"reason": reason}
+        return {"reason": evidence.kind.no_mask}
     files = record["mask"]["files"]
     names = list(files)
     rows = [

@@ -7,7 +7,6 @@ from mpfcad.report.page.cad_section import cad_values
 from mpfcad.report.page.decision import decision_values
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.evidence import Evidence
-from mpfcad.report.page.film_section import film_values
 from mpfcad.report.page.mask_section import mask_values
 from mpfcad.report.page.section import chain_values, input_values, luminance_values
 from mpfcad.report.page.wording import gate_values
@@ -32,6 +31,9 @@ def write_report(path: Path, record: dict[str, Any], evidence: Evidence) -> None
 def build_page(record: dict[str, Any], evidence: Evidence) -> str:
     """Return the page as HTML that needs no network."""
     versions = record["provenance"]["versions"]
+    recovered = None
+    if record["mask"]:
+        recovered = next(iter(record["mask"]["curvature"]["recovered_per_mm"].values()))
     return render(
         "report.html.j2",
         record=record,
@@ -41,7 +43,7 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         chain=chain_values(record),
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
         input=input_values(evidence),
-        film=film_values(record, evidence),
+        film=evidence.kind.values(evidence.position, evidence.aperture_ratio, recovered),
         mask=mask_values(record, evidence),
         cad=cad_values(record, evidence),
         luminance=luminance_values(record),
