@@ -31,7 +31,8 @@ def decision_values(record: Record) -> Record:
         "sentence": verdict_sentence(record),
         "others": _other_gates(record),
         "figures": _figures(record),
-        "scale": scale_values(record, films),
+        "scale": scale_values(record, _with_widths(record, films)),
+        "sure": _sure(record.get("confidence")),
         "strips": strip_values(films),
         "luminance": plot(luminance_figure(record), "luminance"),
         "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
@@ -45,6 +46,43 @@ def _films(record: Record) -> list[tuple[str, Record]]:
     if record.get("plain"):
         films.append(("plain BEF in this backlight", record["plain"]))
     return [*films, ("conventional stack", record["baseline"])]
+
+
+def _with_widths(record: Record, films: list[tuple[str, Record]]) -> list[tuple[str, Record]]:
+    """Return the films, this one once more with all inputs' widths where these are known."""
+    found = record.get("confidence")
+    if not found:
+        return films
+    return [
+        films[0],
+        ("this film, with all widths", {"lamp_mura_contrast": found["contrast"]}),
+        *films[1:],
+    ]
+
+
+def _sure(found: Record | None) -> Record | None:
+    """Return how likely the limits are met, what that hangs on, and what to measure next."""
+    if not found:
+        return None
+    return {
+        "limits": [
+            {
+                "limit": f"{one['limit']:g}",
+                "likely": f"{one['value']:.0%}",
+                "range": f"{one['ci95'][0]:.0%} … {one['ci95'][1]:.0%}",
+            }
+            for one in found["probability"].values()
+        ],
+        "inputs": [
+            {
+                "name": one["name"],
+                "width": f"± {one['sigma']:.3g}",
+                "share": round(100 * one["share_of_variance"], 1),
+            }
+            for one in found["inputs"][:_NAMED]
+        ],
+        "next": found["measure_next"][0] if found["measure_next"] else None,
+    }
 
 
 def _other_gates(record: Record) -> Record:
