@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.report.page.cad_section import cad_values
+from mpfcad.report.page.confidence_section import confidence_values
 from mpfcad.report.page.decision import decision_values
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.evidence import Evidence
@@ -19,6 +20,7 @@ SECTIONS = (
     ("Mask", "mask"),
     ("CAD files", "cad"),
     ("Light: traces and energy", "luminance"),
+    ("Confidence in the real backlight", "confidence"),
     ("Traceability", "traceability"),
 )
 
@@ -47,4 +49,5 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         mask=mask_values(record, evidence),
         cad=cad_values(record, evidence),
         luminance=luminance_values(record),
+        confidence=confidence_values(record),
     )

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from mpfcad.report.page.confidence_section import likely_words
 from mpfcad.report.page.number import number, with_interval
 
 #: Gate -> (what it is, how it is computed: `_{…}` is lowered).
@@ -145,7 +146,7 @@ def verdict_sentence(record: dict[str, Any]) -> str:
             " Phototool only: the job names no mesh, so nothing is said of whether a screen "
             "prints it."
         )
-    return words
+    return words + likely_words(record)
 
 
 def label_of(name: str) -> str:
