@@ -10,8 +10,7 @@ from mpfcad.errors import InputError
 
 Tag = Literal["given", "sourced", "assumed"]
 TAGS: tuple[Tag, ...] = ("given", "sourced", "assumed")
-#: What a number with more than its value may state.
-ENTRY = {"value", "tag", "source", "sigma", "range"}
+_ENTRY = {"value", "tag", "source", "sigma", "range"}
 
 _PANEL: dict[str, Range] = {
     "panel_width_mm": (1.0, 10_000.0),
@@ -111,8 +110,8 @@ def read_quantity(
         raise InputError(f"{where}.{key}: unknown value; allowed: {', '.join(known)}")
     tag, source, value = "given", "given by the user", entry
     if isinstance(entry, dict):
-        if set(entry) - ENTRY or "value" not in entry:
-            raise InputError(f"{where}.{key}: {entry}: expected keys: {', '.join(sorted(ENTRY))}")
+        if set(entry) - _ENTRY or "value" not in entry:
+            raise InputError(f"{where}.{key}: {entry}: expected keys: {', '.join(sorted(_ENTRY))}")
         value = entry["value"]
         tag, source = entry.get("tag", tag), str(entry.get("source", source))
     tagged: Tag | None = next((one for one in TAGS if one == tag), None)

@@ -177,8 +177,8 @@ def print_verdict(verification: dict[str, Any], folder: Path) -> None:
     mean, relative = verification["mean_luminance_cd_m2"], verification["relative_luminance"]
     if mean is not None:
         print(
-            f"mean normal luminance {mean['value']:.0f} cd/m2, {relative:.3f} of the conventional "
-            "stack"
+            f"mean normal luminance {mean['value']:.0f} cd/m2, {relative:.3f} of "
+            f"{verification['baseline']['words']}"
         )
     note = ", phototool only" if verification.get("printability") == "phototool only" else ""
     likely = ""

@@ -6,6 +6,7 @@ becomes one `InputError` line that names the file, the field, its value and what
 
 from mpfcad.job.model import (
     EFFORTS,
+    BaselineTable,
     CadTable,
     ConfidenceTable,
     Effort,
@@ -24,6 +25,7 @@ from mpfcad.job.template import TEMPLATE
 __all__ = [
     "EFFORTS",
     "TEMPLATE",
+    "BaselineTable",
     "CadTable",
     "ConfidenceTable",
     "Effort",

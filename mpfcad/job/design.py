@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.model import (
+    BaselineTable,
     CadTable,
+    ConfidenceTable,
     FilmTable,
     GateTable,
     MaskTable,
@@ -100,6 +102,8 @@ class Design(Table):
     stack: StackTable = StackTable(preset="thesis-32in-mpf")
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
+    baseline: BaselineTable | None = None
+    confidence: ConfidenceTable | None = None
 
     @model_validator(mode="after")
     def _one_thickness(self) -> "Design":
@@ -132,7 +136,7 @@ class Design(Table):
 
 
 #: Tables that a design hands on to its job.
-JOB_TABLES = ("film", "process", "mask", "cad", "stack", "gates", "trace")
+JOB_TABLES = ("film", "process", "mask", "cad", "stack", "gates", "trace", "baseline", "confidence")
 
 
 def read_design(path: Path) -> Design:

@@ -157,6 +157,15 @@ class TraceTable(Table):
     effort: Effort = "standard"
 
 
+class BaselineTable(Table):
+    """`[baseline]`: the backlight, with a plain BEF in it, that the film's light is compared with.
+
+    Without the table it is the job's own backlight.
+    """
+
+    preset: str
+
+
 class ConfidenceTable(Table):
     """`[confidence]`: how well film and print are known (standard uncertainties), and the traces.
 
@@ -211,6 +220,7 @@ class Job(Table):
     resin: ResinTable | None = None
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
+    baseline: BaselineTable | None = None
     confidence: ConfidenceTable | None = None
 
     @property

@@ -49,3 +49,16 @@ def test_a_wrong_width_is_refused(entry, says):
     with pytest.raises(InputError, match=says) as error:
         read_stack(STACK, overrides={"thickness_mm": entry})
     assert "thickness_mm" in str(error.value)
+
+
+def test_a_sheets_own_sigma_is_a_value_and_may_have_a_width(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'extends = "thesis-32in-mpf"\n'
+        'layers = ["clear_plate", {kind = "sheet", name = "under", sigma = 0.3}, "film"]\n'
+        "[value.under]\nindex = {value = 1.5, sigma = 0.002}\n"
+    )
+    stack = read_stack(file)
+    assert stack["under.sigma"] == 0.3
+    assert width_of(stack, "under.sigma").sigma == pytest.approx(0.08 * 0.3)
+    assert width_of(stack, "under.index").sigma == 0.002

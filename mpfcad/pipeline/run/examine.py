@@ -36,7 +36,7 @@ from mpfcad.pipeline.run.file_check import examine_files
 from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
 
-#: The stack that every result is compared with: the thesis's own reference.
+#: The thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
 
 
@@ -68,7 +68,7 @@ class Findings:
         mask
     luminance, plain, baseline
         of this film (None where film.stl cannot be traced), of its prisms without resin in the same
-        backlight, and of the conventional stack with a plain BEF
+        backlight, and of a plain BEF in the job's `[baseline]`; without one again of its prisms
     printing
         what the screen prints; None without a mask
     confidence
@@ -116,9 +116,12 @@ def examine(
         luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)
-    progress.stage("tracing the conventional stack")
-    lit = light_baseline(plan.job.cad.angle_tolerance)
-    baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+    baseline = plain
+    if plan.job.baseline is not None:
+        preset = plan.job.baseline.preset
+        progress.stage(f"tracing a plain BEF in {preset}")
+        lit = light_baseline(plan.job.cad.angle_tolerance, preset)
+        baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
     confidence = None
     if plan.job.wants_confidence and luminance is not None:
         confidence = find_confidence(folder, plan, luminance, run.threads, progress)
@@ -202,11 +205,11 @@ def compare_resin(
     return ResinCheck(by_mask, mesh.volume - drawn.bare_volume, full)
 
 
-def light_baseline(angle_tolerance: float) -> Lit:
-    """Return a plain BEF, written to a file and read back, in the conventional stack."""
+def light_baseline(angle_tolerance: float, preset: str = BASELINE_PRESET) -> Lit:
+    """Return a plain BEF, written to a file and read back, in a stack."""
     from mpfcad.cad import write_stl
 
-    stack = read_stack(BASELINE_PRESET)
+    stack = read_stack(preset)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
         write_stl(baseline_film(stack), mesh, angle_tolerance)

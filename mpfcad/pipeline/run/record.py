@@ -16,7 +16,7 @@ from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.plan.field import FIELD_FILE
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits
-from mpfcad.pipeline.run.examine import BASELINE_PRESET, Findings
+from mpfcad.pipeline.run.examine import Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
 from mpfcad.record import Checks, build_gates, build_verification, confidence_gate
 from mpfcad.report import Evidence
@@ -69,7 +69,8 @@ def build_record(
         luminance=findings.luminance,
         plain=findings.plain,
         baseline=findings.baseline,
-        baseline_stack=BASELINE_PRESET,
+        baseline_stack=job.baseline.preset if job.baseline else plan.stack.name,
+        baseline_is_own=job.baseline is None,
         eye=None
         if findings.luminance is None
         else describe_eye(

@@ -30,7 +30,9 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
     curves = [("this film", record, FILM_COLOUR, FILM_BAND)]
     if record.get("plain"):
         curves.append(("plain BEF, this backlight", record["plain"], THIRD_COLOUR, THIRD_BAND))
-    curves.append(("conventional", record["baseline"], BASE_COLOUR, BASE_BAND))
+    if not record["baseline"].get("is_own"):
+        name = str(record["baseline"]["stack"])
+        curves.append((name, record["baseline"], BASE_COLOUR, BASE_BAND))
     for name, found, colour, band in curves:
         curve = found["luminance"]
         if curve is None:

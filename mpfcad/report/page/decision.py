@@ -40,12 +40,19 @@ def decision_values(record: Record) -> Record:
     }
 
 
+def baseline_words(record: Record) -> str:
+    """Return what the film's light is compared with; of an older export the conventional stack."""
+    return str(record["baseline"].get("words", "the conventional stack"))
+
+
 def _films(record: Record) -> list[tuple[str, Record]]:
     """Return (name, its trace) of this film and of those that it is compared with."""
     films = [(f"this film: {record['name']}", record)] if record["luminance"] else []
     if record.get("plain"):
         films.append(("plain BEF in this backlight", record["plain"]))
-    return [*films, ("conventional stack", record["baseline"])]
+    if record["baseline"].get("is_own"):
+        return films
+    return [*films, (baseline_words(record), record["baseline"])]
 
 
 def _with_widths(record: Record, films: list[tuple[str, Record]]) -> list[tuple[str, Record]]:
@@ -111,7 +118,7 @@ def _figures(record: Record) -> list[tuple[str, str, str]]:
             f"95 %: {mean['ci95'][0]:.0f} … {mean['ci95'][1]:.0f}",
         ),
         (
-            "of the conventional stack's",
+            f"of {baseline_words(record)}",
             f"{record['relative_luminance'] * 100:.1f} %",
             f"{record['baseline']['mean_luminance_cd_m2']['value']:.0f} cd/m²",
         ),

@@ -39,8 +39,9 @@ def luminance_values(record: Record) -> dict[str, Any]:
     names = {
         "this film": record,
         "plain BEF": record.get("plain"),
-        "conventional": record["baseline"],
     }
+    if not record["baseline"].get("is_own"):
+        names[record["baseline"]["stack"]] = record["baseline"]
     traces = {name: found for name, found in names.items() if found and found["luminance"]}
     return {
         "traces": list(traces.items()),
