@@ -156,7 +156,7 @@ class MaskTable(Table):
         smallest = self.min_aperture_um + self.min_web_um
         if smallest > self.period_um:
             raise ValueError(
-                f"min_aperture_um + min_web_um = {smallest:g} must be at most "
+                f"min_aperture_um + min_web_um = {smallest:g}: expected at most "
                 f"period_um = {self.period_um:g}"
             )
         return self

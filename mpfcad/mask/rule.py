@@ -99,7 +99,7 @@ def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
     smallest = rules.aperture_limit * (2**0.5 if rules.pattern == "blue-noise" else 1)
     if not smallest <= side * (1 + 1e-9) <= largest * (1 + 2e-9):
         raise InputError(
-            f"mask: dot {side / um:.4g} µm: allowed {smallest / um:.4g} … "
+            f"mask: dot {side / um:.4g} µm: expected {smallest / um:.4g} … "
             f"{largest / um:.4g} µm ({rules.describe(period)})"
         )
     return side
@@ -153,7 +153,7 @@ def check_rules(
         raise InputError(
             f"{where}: {groove_ranges(bad)}: aperture_ratio {ratio[bad].min():.4g} … "
             f"{ratio[bad].max():.4g} (curvature_per_mm {film.curvature[bad].min():.4g} … "
-            f"{film.curvature[bad].max():.4g}): allowed 0 or {low:.4g} … {high:.4g} ({asked}), "
+            f"{film.curvature[bad].max():.4g}): expected 0 or {low:.4g} … {high:.4g} ({asked}), "
             f"that is curvature_per_mm {bottom:.4g} … {top:.4g} or {empty:g} (no resin)"
             f"{suggest_mesh(rules, size[along > 0], period)}"
         )
@@ -194,5 +194,5 @@ def _check_runs(where: str, is_open: NDArray[np.bool_], pitch: float, rules: Mas
             )
             raise InputError(
                 f"{where}: {groove_ranges(grooves)}: {what} of {width[bad].min() / um:g} µm across "
-                f"the grooves: allowed {name} {limit / um:g} µm or more"
+                f"the grooves: expected {name} {limit / um:g} µm or more"
             )

@@ -236,16 +236,16 @@ def test_oasis_of_109_million_dots(tmp_path):
 
 
 def test_another_suffix_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"mask format '\.cif': allowed \.oas, \.gds, \.dxf"):
+    with pytest.raises(InputError, match=r"mask format '\.cif': expected \.oas, \.gds, \.dxf"):
         write_mask(build(), tmp_path / "m.cif")
     assert not list(tmp_path.iterdir())
 
 
 def test_what_a_format_cannot_hold_is_refused(tmp_path):
-    with pytest.raises(InputError, match="polarity: closed: allowed oas, gds, gbr, svg, tif"):
+    with pytest.raises(InputError, match="polarity: closed: expected oas, gds, gbr, svg, tif"):
         write_mask(build(), tmp_path / "m.dxf", Phototool(polarity="closed"))
     listed = build(rules=MaskRules("error-diffused", 0.100, 0.010, 0.010))
-    with pytest.raises(InputError, match="polarity: closed: allowed for patterns with one array"):
+    with pytest.raises(InputError, match="polarity: closed: expected for patterns with one array"):
         write_mask(listed, tmp_path / "m.oas", Phototool(polarity="closed"))
     assert not list(tmp_path.iterdir())
 

@@ -171,16 +171,16 @@ def refused(film, asked):
 def test_what_a_pattern_cannot_reach_is_refused():
     small = rules("error-diffused", dot=0.010)
     assert "grooves 0-39: aperture_ratio" in refused(field_film(), small)
-    assert "allowed 0 or 0 … 0.04" in refused(film_of([60.0] * 40), small)
-    assert "dot 45 µm: allowed 8 … 40 µm" in refused(
+    assert "expected 0 or 0 … 0.04" in refused(film_of([60.0] * 40), small)
+    assert "dot 45 µm: expected 8 … 40 µm" in refused(
         field_film(), rules("error-diffused", dot=0.045)
     )
-    assert "dot 9 µm: allowed 11.31 … 40 µm" in refused(
+    assert "dot 9 µm: expected 11.31 … 40 µm" in refused(
         field_film(), rules("blue-noise", dot=0.009)
     )
     coarse = MaskRules("blue-noise", 0.05, 0.025, 0.010, levelling_length=0.2)
     assert "groove 1: aperture_ratio" in refused(film_of([50.0, 64.0]), coarse)
-    assert "allowed for a map across the grooves only" in refused(field_film(), rules("angled"))
+    assert "expected for a map across the grooves only" in refused(field_film(), rules("angled"))
 
 
 def test_closed_stretches_of_a_field_stay_closed():

@@ -127,8 +127,8 @@ def draw(mask: Mask, phototool: Phototool, *, paints: bool = False) -> Drawing:
     inverted = phototool.polarity == "closed" and not paints
     if inverted and not isinstance(mask, GrooveMask):
         raise InputError(
-            f"{mask.name}: mask.polarity: closed: allowed for patterns with one array a groove, or "
-            f"in formats gbr, svg, tif"
+            f"{mask.name}: mask.polarity: closed: expected for patterns with one array a groove, "
+            f"or in formats gbr, svg, tif"
         )
     drawing = Drawing(mask, phototool, (), (), (), inverted)
     polygons: list[Polygon] = []

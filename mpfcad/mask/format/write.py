@@ -70,9 +70,9 @@ def write_mask(mask: Mask, path: Path, phototool: Phototool | None = None) -> No
     style = FORMATS.get(path.suffix.removeprefix("."))
     if style is None:
         known = ", ".join(f".{suffix}" for suffix in FORMATS)
-        raise InputError(f"{path}: mask format {path.suffix!r}: allowed {known}")
+        raise InputError(f"{path}: mask format {path.suffix!r}: expected {known}")
     if not style.closes and phototool is not None and phototool.polarity == "closed":
-        raise InputError(f"{path}: mask.polarity: closed: allowed oas, gds, gbr, svg, tif")
+        raise InputError(f"{path}: mask.polarity: closed: expected oas, gds, gbr, svg, tif")
     drawing = draw(mask, phototool or Phototool(), paints=style.paints)
     _check_size(path, style, drawing)
     try:
@@ -91,5 +91,5 @@ def _check_size(path: Path, style: Format, drawing: Drawing) -> None:
         if count * style.place_size > LARGEST_FILE:
             raise InputError(
                 f"{path}: {style.title} lists apertures one by one: over "
-                f"{LARGEST_FILE / 1024**2:.0f} MiB: allowed oas for this pattern"
+                f"{LARGEST_FILE / 1024**2:.0f} MiB: expected oas for this pattern"
             )

@@ -38,21 +38,21 @@ def build_mask(film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, 
     """
     where = f"{name}: mask"
     if film.profile != "filled":
-        raise InputError(f"{where}: profile '{film.profile}': allowed 'filled', resin only adds")
+        raise InputError(f"{where}: profile '{film.profile}': expected 'filled', resin only adds")
     if not (name.isascii() and name.isprintable()):
-        raise InputError(f"{name!r}: mask: name: allowed printable ASCII")
+        raise InputError(f"{name!r}: mask: name: expected printable ASCII")
     low, high = _extremes(film)
     check_printable(process, low, where)
     check_printable(process, high, where)
     if max(film.length, film.width) / GRID > LARGEST_SIDE:
         side = max(film.length, film.width)
-        raise InputError(f"{where}: panel side {side:g} mm: allowed up to {LARGEST_SIDE * GRID:g}")
+        raise InputError(f"{where}: panel side {side:g} mm: expected up to {LARGEST_SIDE * GRID:g}")
     content_hash = _hash(film)
     if isinstance(film, PrismFilm) and not rules.is_stochastic:
         return build_groove_mask(film, process, rules, name, content_hash)
     if rules.pattern in ("staggered", "angled"):
         raise InputError(
-            f"{where}: pattern {rules.pattern!r}: allowed for a map across the grooves only; "
+            f"{where}: pattern {rules.pattern!r}: expected for a map across the grooves only; "
             f"a map in both directions takes 'slot', 'dot', 'blue-noise' or 'error-diffused'"
         )
     if rules.pattern == "error-diffused":
@@ -105,7 +105,7 @@ def _check_ratio(
         hint = suggest_mesh(rules, np.sqrt(shown * pitch * period), period)
         raise InputError(
             f"{where}: {groove_ranges(index)}: aperture_ratio {shown.min():.4g} … "
-            f"{shown.max():.4g}: allowed 0 or {lowest:.4g} … {highest:.4g} "
+            f"{shown.max():.4g}: expected 0 or {lowest:.4g} … {highest:.4g} "
             f"({rules.describe(period)}), that is curvature_per_mm {bottom:.4g} … {top:.4g} or "
             f"{film.groove.curvature_empty:g} (no resin){hint}"
         )

@@ -131,7 +131,7 @@ def build_groove_mask(
     # A lattice that is moved by less than a period has room for one aperture less.
     count = period_count - (shift > 0)
     if period_count == 1 and shift.any():
-        raise InputError(f"{where}: {rules.describe(film.length)}: allowed two periods or more")
+        raise InputError(f"{where}: {rules.describe(film.length)}: expected two periods or more")
     across, along = _aperture_size(wanted, edge, film, rules, length / count)
     check_rules(where, wanted, along, film, process, rules, length / period_count * GRID)
     return GrooveMask(

@@ -65,8 +65,8 @@ def _refuse_release(job: Job, calibration: Path | None, where: str) -> None:
     if release is not None:
         name = "process.calibration" if calibration is not None else "process.model = thesis"
         raise InputError(
-            f"{where}: mask.mesh.release: {release:g}: must be left out when {name} is given: each "
-            f"states the transfer factor"
+            f"{where}: mask.mesh.release: {release:g}: expected to be left out "
+            f"when {name} is given: each states the transfer factor"
         )
 
 
