@@ -17,7 +17,7 @@ from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
 from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.emission import Emission, EmissionArrays
 from mpfcad.optics.cavity.finite import NO_WALL
-from mpfcad.optics.element import FILM, Cavity, Element, Film, Slab
+from mpfcad.optics.element import FILM, LIBRARY_FILM, Cavity, Element, Film, Slab
 from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.library.piece import LibraryArrays, build_libraries
 from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
@@ -71,9 +71,11 @@ class Scene(NamedTuple):
 
     @property
     def accelerators(self) -> str:
-        """How the films are traced, each way once: `chain`, `chain, grid` and so on."""
+        """How the films are traced, each way once: `chain`, `chain, grid`, `library` and so on."""
         films = self.parameter[self.kind == FILM, TILE].astype(int)
-        return ", ".join(dict.fromkeys(ACCELERATORS[a] for a in self.tiles.accelerator[films]))
+        ways = [ACCELERATORS[a] for a in self.tiles.accelerator[films]]
+        ways += ["library"] if (self.kind == LIBRARY_FILM).any() else []
+        return ", ".join(dict.fromkeys(ways))
 
 
 def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:

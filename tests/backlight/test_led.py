@@ -191,3 +191,56 @@ def test_mirror_images():
     assert is_mirrored(np.array([[2.0, 0, 1], [-2.0, 0, 1]]), period)
     assert not is_mirrored(np.array([[2.0, 0, 1], [-2.0, 0, 0.5]]), period)
     assert not is_mirrored(np.array([[2.0, 1, 1], [-2.0, -1, 1]]), period)
+
+
+def rays(count=120_000):
+    """Return rays (n, 7) of cos² θ."""
+    rng = np.random.default_rng(8)
+    cosine, turn = rng.random(count) ** (1 / 3), rng.random(count) * 2 * np.pi
+    sine = np.sqrt(1 - cosine**2)
+    place = rng.uniform(-1, 1, (count, 3)) * (1, 1, 0)
+    direction = np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine], axis=1)
+    return np.concatenate([place, direction, np.full((count, 1), 0.5)], axis=1).astype("<f4")
+
+
+def ray_file(form, table):
+    n = len(table)
+    if form == ".tm25ray":
+        head = bytearray(36288)
+        head[:4] = b"TM25"
+        head[20:28] = np.array([n], "<u8").tobytes()
+        head[256:288] = np.array([1, 1, 1, 0, 0, 0, 0, 0], "<i4").tobytes()
+    elif form == ".dat":
+        head = bytearray(208)
+        head[:8] = np.array([1010, n], "<u4").tobytes()
+    else:
+        head = bytearray(44)
+        head[:4] = b"LTRF"
+    return bytes(head) + table.tobytes()
+
+
+@pytest.mark.parametrize("form", [".tm25ray", ".dat", ".ray"])
+def test_rays_become_intensity(tmp_path, form):
+    (tmp_path / f"led{form}").write_bytes(ray_file(form, rays()))
+    table = read_emission("x", tmp_path, f"led{form}")
+    mean = table.mean(axis=0)
+    expected = np.cos(polar_angles()) ** 2
+    assert np.allclose(mean / mean[8], expected / expected[8], atol=0.04)
+    assert table.shape[0] == 72
+
+
+@pytest.mark.parametrize("form", [".tm25ray", ".dat", ".ray"])
+def test_ray_files_whose_count_and_size_disagree(tmp_path, form):
+    name, data = f"led{form}", ray_file(form, rays(1000))
+    for wrong in (data[:-5], data[:30]) if form == ".ray" else (data[:-5], data[:-28], data[:300]):
+        (tmp_path / name).write_bytes(wrong)
+        refused(write(tmp_path, f'emission = "{name}"'), name)
+    if form != ".ray":
+        (tmp_path / name).write_bytes(data + bytes(28_000))
+        refused(write(tmp_path, f'emission = "{name}"'), "count and size disagree")
+    table = rays(1000)
+    table[3, 4] = np.nan
+    (tmp_path / name).write_bytes(ray_file(form, table))
+    refused(write(tmp_path, f'emission = "{name}"'), "not finite")
+    (tmp_path / name).write_bytes(b"some text that is no ray file")
+    refused(write(tmp_path, f'emission = "{name}"'), "expected a TM-25")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mpfcad.optics.cavity.board import Board
 
 #: How far a panel may be from a whole number of cells and still be called closed.
-_CLOSED = 0.01
+_CLOSED = 0.05
 
 
 class LedChoice(Protocol):

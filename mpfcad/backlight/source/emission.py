@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight.source.lattice import folder_text
+from mpfcad.backlight.source.ray_file import SUFFIXES, read_ray_file
 from mpfcad.errors import InputError
 
 #: A lens that throws light aside: polar angle [deg], intensity over the peak at 65°.
@@ -61,10 +62,14 @@ def read_emission(where: str, folder: Path, name: str) -> NDArray[np.float64]:
     suffix = Path(name).suffix.lower()
     if suffix == ".csv":
         polar, azimuth, value = _read_csv(where, folder_text(where, folder, name))
+    elif suffix in SUFFIXES:
+        polar, azimuth, value = read_ray_file(where, folder / name)
     elif suffix in FILES:
         polar, azimuth, value = _read_photometry(where, folder / name, suffix)
     else:
-        raise InputError(f"{where}: expected one of {', '.join(FORMULAS)} or a file {FILES}")
+        raise InputError(
+            f"{where}: expected one of {', '.join(FORMULAS)} or a file {(*FILES, *SUFFIXES)}"
+        )
     return _resampled(where, polar, azimuth, value)
 
 

@@ -1,0 +1,122 @@
+"""Ray files of LEDs: TM-25, Zemax .DAT and LightTools .ray, as intensity over direction.
+
+Layouts: IES TM-25-13; OpticStudio's and LightTools' manuals. All are little-endian. Only the
+directions are used: where on the LED a ray starts is left to the emitting top.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.errors import InputError
+
+SUFFIXES = (".tm25ray", ".tm25", ".dat", ".ray")
+_TM25_FIXED = 36288
+#: Columns of each of TM-25's flags: place, direction, W, wavelength, lm, Stokes, XYZ, spectrum.
+_TM25_COLUMNS = (3, 3, 1, 1, 1, 3, 2, 1)
+#: What may lie before TM-25's rays besides what the header tells of, for vendors differ [B].
+_SLACK = 4096
+_DAT = np.dtype([
+    ("kind", "<i4"), ("rays", "<u4"), ("text", "S100"), ("flux", "<f4", 3), ("angle", "<f4", 4),
+    ("unit", "<u4"), ("pose", "<f4", 9), ("unused", "<f4", 4), ("form", "<i4"), ("type", "<i4"),
+    ("rest", "<i4", 2),
+])  # fmt: skip
+_RAY = np.dtype([
+    ("magic", "S4"), ("version", "<u4", 2), ("data", "<u4"), ("far", "<u4"), ("colour", "<u4"),
+    ("unit", "<u4"), ("origin", "<f4", 3), ("flux", "<f4"),
+])  # fmt: skip
+#: Bins over 0 … 90°, and round where there are so many rays.
+_POLAR, _AZIMUTHS, _MANY = 36, 24, 100_000
+
+
+def read_ray_file(where: str, path: Path) -> tuple[NDArray, NDArray, NDArray]:
+    """Return (polar, azimuth [deg], (azimuth, polar) intensity) of a ray file.
+
+    Raises
+    ------
+    InputError
+        when count and size disagree, or what it holds are no rays.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{where}: {error.strerror}: expected a ray file there") from None
+    if data[:4] == b"TM25":
+        ray = _tm25(where, data)
+    elif data[:4] == b"LTRF":
+        ray = _table(where, data, _RAY.itemsize, 8 if _head(data, _RAY)["colour"] else 7, None)
+    elif len(data) >= _DAT.itemsize and int(_head(data, _DAT)["kind"]) in (1010, 8675309):
+        head = _head(data, _DAT)
+        columns = 8 if head["form"] == 2 else 7
+        ray = _table(where, data, _DAT.itemsize, columns, int(head["rays"]))
+    else:
+        raise InputError(f"{where}: expected a TM-25, Zemax .DAT or LightTools .ray file")
+    return _intensity(where, ray[:, 3:6], ray[:, 6])
+
+
+def _head(data: bytes, layout: np.dtype) -> np.void:
+    return np.frombuffer(data.ljust(layout.itemsize, b"\0"), layout, 1)[0]
+
+
+def _table(
+    where: str, data: bytes, start: int, columns: int, rays: int | None
+) -> NDArray[np.float64]:
+    """Return the rays (n, columns) that follow a header of `start` bytes; None: all that fit."""
+    size = len(data) - start
+    wanted = size // (4 * columns) if rays is None else rays
+    if wanted <= 0 or size != wanted * 4 * columns:
+        raise InputError(
+            f"{where}: {len(data)} bytes with {wanted} rays of {columns} numbers: expected "
+            f"{start + 4 * columns * max(wanted, 1)} bytes: count and size disagree"
+        )
+    return np.frombuffer(data, "<f4", wanted * columns, start).reshape(-1, columns).astype(float)
+
+
+def _tm25(where: str, data: bytes) -> NDArray[np.float64]:
+    """Return the rays of TM-25, flux in column 6: lm where there is, else W."""
+    if len(data) < _TM25_FIXED:
+        raise InputError(f"{where}: {len(data)} bytes: expected at least {_TM25_FIXED} of TM-25")
+    rays = int(np.frombuffer(data, "<u8", 1, 20)[0])
+    spectra, extra, text = (int(v) for v in np.frombuffer(data, "<i4", 3, 76))
+    flags = np.frombuffer(data, "<i4", 8, 256) != 0
+    if not flags[:2].all() or not (flags[2] or flags[4]):
+        raise InputError(f"{where}: expected rays with place, direction and a flux")
+    counts = np.array(_TM25_COLUMNS) * flags
+    columns = int(counts.sum()) + extra
+    before = _TM25_FIXED + text
+    for _ in range(spectra):
+        number = np.frombuffer(data.ljust(before + 4, b"\0"), "<i4", 1, before - text)[0]
+        before += 4 + 8 * int(number)
+    start = len(data) - 4 * rays * columns
+    if rays <= 0 or start < _TM25_FIXED or start > before + 2048 * extra + _SLACK:
+        raise InputError(
+            f"{where}: {len(data)} bytes with {rays} rays of {columns} numbers: count and size "
+            f"disagree: expected about {before + 4 * rays * columns} bytes"
+        )
+    ray = np.frombuffer(data, "<f4", rays * columns, start).reshape(-1, columns).astype(float)
+    column = int(counts[: 4 if flags[4] else 2].sum())
+    return np.concatenate([ray[:, :6], ray[:, column : column + 1]], axis=1)
+
+
+def _intensity(
+    where: str, direction: NDArray[np.float64], flux: NDArray[np.float64]
+) -> tuple[NDArray, NDArray, NDArray]:
+    if not np.isfinite(direction).all() or not np.isfinite(flux).all():
+        raise InputError(f"{where}: a ray is not finite: expected numbers")
+    if np.abs(np.linalg.norm(direction, axis=1) - 1).max() > 1e-3 or (flux < 0).any():
+        raise InputError(f"{where}: expected directions of length 1 and fluxes of 0 or more")
+    up = direction[:, 2] > 0
+    below = float(flux[~up].sum() / max(flux.sum(), 1e-300))
+    if below > 0.02 or not flux.any():
+        raise InputError(f"{where}: {below:.1%} of the flux goes below z = 0: expected at most 2 %")
+    polar = np.degrees(np.arccos(np.clip(direction[up, 2], 0, 1)))
+    turn = np.degrees(np.arctan2(direction[up, 1], direction[up, 0])) % 360
+    azimuths = _AZIMUTHS if len(flux) >= _MANY else 1
+    edge = np.linspace(0, 90, _POLAR + 1)
+    found, *_ = np.histogram2d(turn, polar, (azimuths, edge), ((0, 360), (0, 90)), weights=flux[up])
+    solid = -np.diff(np.cos(np.radians(edge))) * 2 * np.pi / azimuths
+    value = found / solid
+    middle = (edge[1:] + edge[:-1]) / 2
+    value = np.concatenate([np.full((azimuths, 1), value[:, 0].mean()), value, value[:, -1:]], 1)
+    return np.r_[0.0, middle, 90.0], (np.arange(azimuths) + 0.5) * 360 / azimuths, value
