@@ -3,12 +3,15 @@
 import copy
 import json
 import os
+import shutil
 import subprocess
 import sys
 
 import pytest
 from test_run_job import small_job
 
+from mpfcad.cli import run_app
+from mpfcad.export import write_manifest
 from mpfcad.job import read_job
 from mpfcad.pipeline import run_job
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
@@ -90,3 +93,34 @@ def test_a_word_a_type_and_a_missing_key_differ(record):
     less = {key: value for key, value in record.items() if key != "mesh"}
     assert "mesh: only in the new result" in compare_records(less, record).difference
     assert "mesh: only in the file" in compare_records(record, less).difference
+
+
+@pytest.fixture
+def forge(export, tmp_path):
+    """Return what puts another verification.json into a copy, every hash computed anew."""
+
+    def made(text):
+        folder = shutil.copytree(export, tmp_path / "copy", dirs_exist_ok=True)
+        (folder / "verification.json").write_text(text)
+        write_manifest(folder, "own", "run")
+        return folder
+
+    return made
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 99_999, '{"job": {}}', "NaN"])
+def test_a_malformed_record_is_one_line(forge, capsys, text):
+    assert run_app(["verify", str(forge(text))]) == 4
+    (line,) = [x for x in capsys.readouterr().err.splitlines() if x.startswith("mpfcad: ")]
+    assert "verification.json" in line and len(line) <= 300
+
+
+@pytest.mark.parametrize("key", ["stack", "given", "resolved", "trace"])
+@pytest.mark.parametrize("value", [None, []])
+def test_a_job_that_is_none_is_one_line(forge, record, capsys, key, value):
+    job = {**record["job"], key: value}
+    if job == record["job"]:
+        return
+    assert run_app(["verify", str(forge(json.dumps({**record, "job": job})))]) == 4
+    (line,) = [x for x in capsys.readouterr().err.splitlines() if x.startswith("mpfcad: ")]
+    assert "verification.json" in line and len(line) <= 300

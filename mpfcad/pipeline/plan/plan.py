@@ -213,7 +213,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     """
     job = build_job(document["given"], str(folder / "verification.json"))
     if job.document() != document["resolved"]:
-        raise ExportError(f"{folder}: job: its defaults differ in this version of mpfcad")
+        raise ExportError(f"{folder / 'verification.json'}: job: its defaults differ in this version of mpfcad")
     groove = job.film.groove
     text = document["calibration"]
     with tempfile.TemporaryDirectory() as temporary:

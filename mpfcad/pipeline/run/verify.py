@@ -44,7 +44,7 @@ def verify_export(
     manifest = check_manifest(folder)
     if VERIFICATION not in manifest["files"]:
         raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
-    stored = json.loads((folder / VERIFICATION).read_text("utf-8"))
+    stored = _read_record(folder / VERIFICATION)
     try:
         _check(folder, stored, threads, progress, rounded)
     except (MpfcadError, LookupError, TypeError, ValueError, AttributeError) as error:
@@ -55,6 +55,16 @@ def verify_export(
         reason = error if isinstance(error, MpfcadError) else f"not read as a record: {error!r}"
         raise ExportError(f"{folder / VERIFICATION}: {reason}{maker}") from error
     return dict(stored)
+
+
+def _read_record(path: Path) -> dict[str, Any]:
+    try:
+        stored = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise ExportError(f"{path}: no JSON: {error}") from None
+    if not isinstance(stored, dict):
+        raise ExportError(f"{path}: {type(stored).__name__}: expected a table")
+    return stored
 
 
 def _check(
