@@ -211,9 +211,10 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     ExportError
         when this version of mpfcad reads the stored job otherwise than it was meant.
     """
-    job = build_job(document["given"], str(folder / "verification.json"))
+    where = str(folder / "verification.json")
+    job = build_job(document["given"], where)
     if job.document() != document["resolved"]:
-        raise ExportError(f"{folder / 'verification.json'}: job: its defaults differ in this version of mpfcad")
+        raise ExportError(f"{where}: job: its defaults differ in this version of mpfcad")
     groove = job.film.groove
     text = document["calibration"]
     with tempfile.TemporaryDirectory() as temporary:
