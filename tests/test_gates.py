@@ -95,6 +95,7 @@ def test_files_as_written_pass_every_gate_and_each_has_words(folder, plan):
     screen = {name for name in ORDER if name.startswith(PREFIX)}
     # The job names no mesh; and nothing is traced.
     assert set(found) == set(ORDER) - screen - {
+        "confidence",
         "traced_file_is_shipped_file",
         "energy_imbalance_sigma",
         "energy_lost",

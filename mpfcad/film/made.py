@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.film.geometry import PrismFilm
+from mpfcad.film.groove import Groove
 from mpfcad.film.imperfection import Imperfection, build_section
 from mpfcad.film.resin import bare_mean_height, curvature_of_resin
 from mpfcad.film.section import Section
@@ -26,6 +27,16 @@ class MadeFilm:
 
     film: PrismFilm
     imperfection: Imperfection
+
+    @property
+    def groove(self) -> Groove:
+        """The bare groove as made."""
+        return self.film.groove
+
+    @property
+    def thickness(self) -> float:
+        """Extent from the underside to the tips, were they sharp [mm]."""
+        return self.film.thickness
 
     @property
     def size(self) -> tuple[float, float]:

@@ -4,6 +4,7 @@
 """
 
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.export import sha256
-from mpfcad.film import CellFilm, FieldPiece, Groove, MadeFilm, PrismFilm, Process
+from mpfcad.film import Groove, PrismFilm
 from mpfcad.gate import Gate
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.mask.screen.printing import Printing
@@ -28,7 +29,7 @@ from mpfcad.measure import (
 )
 from mpfcad.pipeline.confidence.find import find_confidence
 from mpfcad.pipeline.effort import TraceSetting, available_threads
-from mpfcad.pipeline.plan.made import Drawn
+from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
@@ -142,7 +143,7 @@ def examine(
 
 def compare_curvature(
     plan: Plan,
-    masks: dict[str, MaskCheck],
+    masks: Mapping[str, MaskCheck],
     mesh: MeshCheck,
     wanted_ratio: NDArray[np.float64] | None,
 ) -> float | None:
@@ -150,59 +151,39 @@ def compare_curvature(
 
     None of a measured surface, and where no mask reads back.
     """
-    if mesh.curvature is None or (plan.process is not None and not masks):
+    given = _printed(plan, masks, wanted_ratio)
+    if mesh.curvature is None or (plan.process is not None and given is None):
         return None
-    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
-    if isinstance(plan.drawn, FieldPiece):
-        from mpfcad.cad.check.field import curvature_difference
-
-        # By way of the map: a mask tells the mean ratio of whole grooves, a mesh C at each place.
-        off = 0.0
-        for check in masks.values():
-            means = [plan.process.curvature(r) for r in (check.aperture_ratio, wanted_ratio)]
-            off = max(off, float(np.abs(means[0] - means[1])[piece].max()))
-        return off + curvature_difference(plan.drawn, mesh.curvature)
-    if plan.process is None:
-        expected = [plan.panel.curvature[piece]]
-    else:
-        expected = [
-            _curvature_as_drawn(plan.drawn, plan.process, check.aperture_ratio[piece])
-            for check in masks.values()
-        ]
-    return max(float(np.max(np.abs(values - mesh.curvature))) for values in expected)
-
-
-def _curvature_as_drawn(
-    drawn: Drawn, process: Process, ratio: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return C [1/mm] of the piece's grooves by their aperture ratios, as designed or as made."""
-    if isinstance(drawn, MadeFilm):
-        height = process.fill_fraction(ratio) * process.groove.depth / 2
-        return drawn.with_resin(height).film.curvature
-    return process.curvature(ratio)
+    kind, piece = kind_of(plan.drawn, plan.job.cad), _grooves(plan)
+    return kind.curvature_difference(mesh.curvature, plan.panel.curvature[piece], given)
 
 
 def compare_resin(
     plan: Plan,
-    masks: dict[str, MaskCheck],
+    masks: Mapping[str, MaskCheck],
     mesh: MeshCheck,
     wanted_ratio: NDArray[np.float64] | None,
 ) -> ResinCheck | None:
-    """Return the resin that the masks give the piece, and that of the mesh."""
-    drawn, process = plan.drawn, plan.process
-    if process is None or wanted_ratio is None or not masks or isinstance(drawn, CellFilm):
+    """Return the resin that the masks give the piece, and that of the mesh; None without a mask."""
+    given = _printed(plan, masks, wanted_ratio)
+    if given is None:
         return None
-    piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
-    width, length = drawn.size
-    full = width * length * process.groove.depth / 2
-    fill = {n: process.fill_fraction(check.aperture_ratio)[piece] for n, check in masks.items()}
-    by_mask = {name: full * float(np.mean(values)) for name, values in fill.items()}
-    if isinstance(drawn, FieldPiece):
-        # A mask tells the mean of whole grooves: it and the piece are compared with the map.
-        by_map = drawn.volume - drawn.bare_volume
-        whole = full * float(np.mean(process.fill_fraction(wanted_ratio)[piece]))
-        by_mask = {name: by_map + volume - whole for name, volume in by_mask.items()}
-    return ResinCheck(by_mask, mesh.volume - drawn.bare_volume, full)
+    return kind_of(plan.drawn, plan.job.cad).resin(mesh.volume, given)
+
+
+def _printed(
+    plan: Plan, masks: Mapping[str, MaskCheck], wanted_ratio: NDArray[np.float64] | None
+) -> Print | None:
+    """Return what the masks give the piece's grooves; None where no mask reads back."""
+    if plan.process is None or wanted_ratio is None or not masks:
+        return None
+    piece = _grooves(plan)
+    ratio = {name: check.aperture_ratio[piece] for name, check in masks.items()}
+    return Print(plan.process, ratio, wanted_ratio[piece])
+
+
+def _grooves(plan: Plan) -> slice:
+    return slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
 
 
 def light_baseline(angle_tolerance: float, preset: str = BASELINE_PRESET) -> Lit:

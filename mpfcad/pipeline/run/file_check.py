@@ -9,7 +9,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import ExportError
 from mpfcad.gate import Gate, yes_no
 from mpfcad.mask import Mask, MaskCheck
-from mpfcad.pipeline.plan.drawing import drawing_of
+from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.run.make import check_masks
@@ -42,7 +42,7 @@ def examine_files(folder: Path, plan: Plan, mask: Mask | None, progress: Progres
     found = FileFindings()
     if mask is not None:
         _examine_masks(found, folder, plan, mask, progress)
-    drawing = drawing_of(plan.drawn, plan.job.cad)
+    drawing = kind_of(plan.drawn, plan.job.cad)
     step, stl = folder / "film.step", folder / "film.stl"
     with _judged(found, "step_valid"):
         progress.stage("checking film.step")

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
 from mpfcad.errors import InputError
-from mpfcad.film import FieldFilm, MadeFilm, PrismFilm, Process
+from mpfcad.film import FieldFilm, PrismFilm, Process
 from mpfcad.gate import Gate, demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
-from mpfcad.pipeline.plan.drawing import Check, drawing_of
-from mpfcad.pipeline.plan.height import HEIGHT_FORMATS, build_grid
+from mpfcad.pipeline.kind import Check, kind_of
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.pipeline.plan.plan import Plan, groove_count
 from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
 from mpfcad.pipeline.progress import Progress
@@ -112,12 +112,12 @@ def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progre
     """Write film.step, film.stl, film.3mf, film.ply, and height maps."""
     from mpfcad.cad.file.height import write_heights
 
-    drawing = drawing_of(plan.drawn, plan.job.cad)
+    drawing = kind_of(plan.drawn, plan.job.cad)
     for suffix in formats:
         progress.stage(f"writing film.{suffix}")
         path = folder / f"film.{suffix}"
         if suffix in HEIGHT_FORMATS:
-            write_heights(build_grid(plan.drawn, plan.job.cad), path, plan.job.name)
+            write_heights(drawing.grid(), path, plan.job.name)
         else:
             drawing.write(path, plan.job.name)
 
@@ -134,13 +134,13 @@ def check_cad(
     """
     from mpfcad.cad.file.height import check_heights
 
-    drawing = drawing_of(plan.drawn, plan.job.cad)
+    drawing = kind_of(plan.drawn, plan.job.cad)
     checks: dict[str, Check] = {}
     for suffix in formats:
         progress.stage(f"checking film.{suffix}")
         path = folder / f"film.{suffix}"
         if suffix in HEIGHT_FORMATS:
-            check_heights(path, build_grid(plan.drawn, plan.job.cad))
+            check_heights(path, drawing.grid())
         else:
             checks[suffix] = drawing.check(path)
     found: list[StepCheck | MeshCheck | Agreement] = [
@@ -170,15 +170,16 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
     ExportError
         when a tile does not read back as what it should hold.
     """
-    film = plan.drawn
-    grooves = film.film if isinstance(film, MadeFilm) else film
-    count = groove_count(plan.stack.period.across, grooves.groove.pitch)
-    names = []
-    for first in range(0, grooves.groove_count, count):
-        tile = drawing_of(film.cut(first, count, grooves.length), plan.job.cad)
+    kind = kind_of(plan.drawn, plan.job.cad)
+    count = groove_count(plan.stack.period.across, plan.piece.groove.pitch)
+    names: list[str] = []
+    for first in range(0, plan.piece.groove_count, count):
+        tile = kind.tile(first, count)
+        if tile is None:
+            break
         names.append(f"film-{len(names) + 1:02}.stl")
         progress.stage(f"writing {names[-1]}")
-        place = f"x0 = {first * grooves.groove.pitch:.6g} mm"
+        place = f"x0 = {first * kind.film.groove.pitch:.6g} mm"
         tile.write(folder / names[-1], f"{place}, {plan.job.name}")
         demand(gates_of(tile.check(folder / names[-1])))
     return names
@@ -192,12 +193,12 @@ def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
     InputError
         naming the format, or `cad.stl` for tiles of cells.
     """
-    allowed = drawing_of(plan.drawn, plan.job.cad).formats
+    kind = kind_of(plan.drawn, plan.job.cad)
+    allowed = kind.formats
     unknown = [name for name in formats if name not in allowed]
     if unknown:
         raise InputError(f"--format: {unknown[0]}: such a film is written as {', '.join(allowed)}")
-    one_piece = plan.job.film.cell != "groove" or plan.field_film is not None
-    if plan.job.cad.stl == "tiles" and one_piece:
+    if plan.job.cad.stl == "tiles" and kind.tile(0, 1) is None:
         raise InputError(
             f"{where}: cad.stl: tiles: must be 'whole' for cells and maps that vary along grooves"
         )

@@ -8,13 +8,12 @@ import numpy as np
 
 from mpfcad.cad.shape.mould import Mould
 from mpfcad.cad.step.file import Header
-from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
-from mpfcad.film import CellFilm, FieldPiece, Imperfection, MadeFilm
+from mpfcad.film import MadeFilm
 from mpfcad.gate import demand
 from mpfcad.job import Job
-from mpfcad.pipeline.plan.drawing import step_header
-from mpfcad.pipeline.plan.plan import Plan, read_plan
+from mpfcad.pipeline.kind import kind_of, step_header
+from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_curvature
 from mpfcad.units import um
@@ -55,7 +54,7 @@ def make_mould(
     """
     progress.stage(f"reading {job_file}")
     plan = read_plan(job, job_file)
-    made = _made(plan, str(job_file))
+    made = kind_of(plan.drawn, job.cad).mould_film(str(job_file))
     tolerance = job.cad.angle_tolerance
     with export_folder(out, "mould") as folder:
         write_curvature(plan, folder)
@@ -68,20 +67,6 @@ def make_mould(
         write_text(folder / "mould.json", canonical_json(record))
         write_manifest(folder, job.name, "mould")
     return record
-
-
-def _made(plan: Plan, where: str) -> MadeFilm:
-    """Return the piece as made; as designed, it departs by nothing."""
-    if isinstance(plan.drawn, FieldPiece):
-        raise InputError(
-            f"{where}: map.file: {plan.job.map.file}: varies along the grooves too: a mould is "
-            "turned, so the map must vary across them only"
-        )
-    if isinstance(plan.drawn, CellFilm):
-        raise InputError(f"{where}: film.cell: {plan.job.film.cell}: must be 'groove' for a mould")
-    if isinstance(plan.drawn, MadeFilm):
-        return plan.drawn
-    return MadeFilm(plan.drawn, Imperfection())
 
 
 def _build(made: MadeFilm, setting: MouldSetting, sliver: float | None = None) -> Mould:

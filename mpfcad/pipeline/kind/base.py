@@ -1,0 +1,133 @@
+"""What every kind of film brings to a run: CAD files, their checks, what the mask gives."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
+from mpfcad.cad.file.height import HeightGrid, build_height_grid
+from mpfcad.cad.step.file import Header
+from mpfcad.errors import InputError
+from mpfcad.film import MadeFilm, Process
+from mpfcad.job import CadTable
+from mpfcad.record import ResinCheck
+from mpfcad.units import um
+
+Check = StepCheck | MeshCheck | BodyCheck
+#: Points over a groove or a cell, and the points' distance along grooves, unless the job says.
+POINTS_PER_PITCH, DISTANCE_ALONG = 20, 50 * um
+
+
+def step_header(table: CadTable) -> Header:
+    """Return what the job's STEP files say of themselves."""
+    return Header(table.step_protocol, table.author, table.organisation)
+
+
+@dataclass(frozen=True, eq=False)
+class Print:
+    """What the mask files give the grooves of a piece.
+
+    Attributes
+    ----------
+    process
+        the printing process
+    ratio
+        by mask file, (n,) float64, aperture ratio of each groove of the piece, read back
+    wanted
+        (n,) float64, mean aperture ratio that each should have
+    """
+
+    process: Process
+    ratio: Mapping[str, NDArray[np.float64]]
+    wanted: NDArray[np.float64]
+
+
+class Kind(ABC):
+    """A film of one kind, and how its job draws it.
+
+    Attributes
+    ----------
+    formats
+        suffixes of the CAD files that it is written in
+    """
+
+    formats: tuple[str, ...] = ("step", "stl")
+    film: Any
+
+    def __init__(self, film: Any, table: CadTable) -> None:
+        self.film, self.table, self.angle = film, table, table.angle_tolerance
+
+    @abstractmethod
+    def write(self, path: Path, name: str) -> None:
+        """Write a CAD file by its suffix; `name` is that of the job."""
+
+    @abstractmethod
+    def check_step(self, path: Path) -> StepCheck:
+        """Return what film.step holds, measured against the film."""
+
+    @abstractmethod
+    def check_mesh(self, path: Path) -> MeshCheck:
+        """Return what film.stl holds, measured against the film."""
+
+    @abstractmethod
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        """Return how well both agree; `volume` [mm³] is what OCCT found in the STEP."""
+
+    def check(self, path: Path) -> Check:
+        """Return what a CAD file holds, by its suffix."""
+        return self.check_step(path) if path.suffix == ".step" else self.check_mesh(path)
+
+    def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the height [mm] of the surface over (x, y) [mm]."""
+        return self.film.height(x, y)
+
+    def grid(self) -> HeightGrid:
+        """Return where the heights of the piece are taken for a height map."""
+        across = self.table.inside("sample_across_um")
+        across = across or self.film.groove.pitch / POINTS_PER_PITCH
+        along = self.table.inside("sample_along_um")
+        along = self.distance_along(across) if along is None else along
+        return build_height_grid(self.film.size, (across, along), self.height)
+
+    def distance_along(self, across: float) -> float:
+        """Return the distance [mm] of a height map's points along y unless the job says."""
+        return DISTANCE_ALONG
+
+    def tile(self, first: int, count: int) -> "Kind | None":
+        """Return some whole grooves of the piece as a film of its own; None: it is one piece."""
+        return None
+
+    @abstractmethod
+    def curvature_difference(
+        self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
+    ) -> float | None:
+        """Return the largest |C of the mask - C of the mesh| [1/mm].
+
+        `found` is C recovered from the mesh, `mapped` (n,) the map's, which stands in for the
+        mask's where `given` is None. None: there is nothing to compare.
+        """
+
+    def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
+        """Return the resin that the masks give, and that of a mesh of this volume [mm³]."""
+        width, length = self.film.size
+        full = width * length * given.process.groove.depth / 2
+        by_mask = {
+            name: full * float(np.mean(given.process.fill_fraction(ratio)))
+            for name, ratio in given.ratio.items()
+        }
+        return ResinCheck(by_mask, mesh_volume - self.film.bare_volume, full)
+
+    def mould_film(self, where: str) -> MadeFilm:
+        """Return the grooves that a mould is made of.
+
+        Raises
+        ------
+        InputError
+            that begins with `where`, for a film that cannot be turned.
+        """
+        raise InputError(f"{where}: such a film cannot be turned: expected grooves for a mould")

@@ -1,0 +1,59 @@
+"""Cells in both directions: pyramids or dishes, one body of patches."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.errors import InputError
+from mpfcad.film import CellFilm, MadeFilm
+from mpfcad.pipeline.kind.base import Kind, Print, step_header
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
+from mpfcad.record import ResinCheck
+
+
+class Cells(Kind):
+    """Equal cells of one curvature; the printing process is calibrated for grooves only."""
+
+    formats: tuple[str, ...] = ("step", "stl", *HEIGHT_FORMATS)
+    film: CellFilm
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file import stl
+        from mpfcad.cad.shape import cell_mesh
+        from mpfcad.cad.step import cell as cell_step
+
+        if path.suffix == ".step":
+            cell_step.write_cell_step(self.film, path, name=name, header=step_header(self.table))
+        else:
+            stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
+
+    def check_step(self, path: Path) -> StepCheck:
+        from mpfcad.cad.check.step import check_film_body
+
+        return check_film_body(path, self.film)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad.check.cell import check_cell_stl
+
+        return check_cell_stl(path, self.film, self.angle)
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad import check_agreement
+
+        return check_agreement(step, stl, volume, 1e-3)
+
+    def distance_along(self, across: float) -> float:
+        return across
+
+    def curvature_difference(
+        self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
+    ) -> float | None:
+        return float(np.max(np.abs(self.film.curvature - found)))
+
+    def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
+        return None
+
+    def mould_film(self, where: str) -> MadeFilm:
+        raise InputError(f"{where}: film.cell: {self.film.shape}: must be 'groove' for a mould")

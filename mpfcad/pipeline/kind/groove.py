@@ -1,0 +1,71 @@
+"""Grooves as designed, one curvature each."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.film import Imperfection, MadeFilm, PrismFilm
+from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
+
+
+class Grooves(Kind):
+    """A row of grooves as designed."""
+
+    formats: tuple[str, ...] = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
+    film: PrismFilm
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
+
+        if path.suffix == ".step":
+            header, bodies = step_header(self.table), self.table.bodies
+            write_step(self.film, path, name=name, bodies=bodies, header=header)
+        else:
+            write = {".stl": write_stl, ".3mf": write_3mf, ".ply": write_ply}[path.suffix]
+            write(self.film, path, self.angle, name=name)
+
+    def check_step(self, path: Path) -> StepCheck:
+        from mpfcad.cad import check_step
+
+        return check_step(path, self.film, bodies=self.table.bodies)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad import check_stl
+
+        return check_stl(path, self.film, self.angle)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad import check_3mf, check_ply
+
+        if path.suffix in (".step", ".stl"):
+            return super().check(path)
+        return {".3mf": check_3mf, ".ply": check_ply}[path.suffix](path, self.film)
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        from mpfcad.cad import check_agreement
+
+        return check_agreement(step, stl, volume, 1e-4)
+
+    def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.film.height(x) + 0 * y
+
+    def tile(self, first: int, count: int) -> Kind:
+        return type(self)(self.film.cut(first, count, self.film.size[1]), self.table)
+
+    def curvature_difference(
+        self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
+    ) -> float | None:
+        expected = [mapped]
+        if given is not None:
+            expected = [self.printed(given, ratio) for ratio in given.ratio.values()]
+        return max(float(np.max(np.abs(values - found))) for values in expected)
+
+    def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the C [1/mm] of each groove that aperture ratios give."""
+        return given.process.curvature(ratio)
+
+    def mould_film(self, where: str) -> MadeFilm:
+        return MadeFilm(self.film, Imperfection())

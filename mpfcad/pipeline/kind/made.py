@@ -1,0 +1,78 @@
+"""Grooves as made: imperfect or measured, with the resin that the mask gives."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad import MeshCheck, StepCheck
+from mpfcad.film import MadeFilm
+from mpfcad.film.section import Section
+from mpfcad.pipeline.kind.base import Check, Print, step_header
+from mpfcad.pipeline.kind.groove import Grooves
+
+
+class MadeGrooves(Grooves):
+    """A row of imperfect or measured grooves: one body, by its cross-section."""
+
+    formats: tuple[str, ...] = ("step", "stl", "3mf", "ply")
+    film: MadeFilm  # type: ignore[assignment]
+
+    @property
+    def section(self) -> Section:
+        """The cross-section; the same parts are left out of every file."""
+        from mpfcad.cad.shape.mesh import mesh_sliver
+
+        return self.film.section(mesh_sliver(self.film.film))
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file import ply, stl, threemf
+        from mpfcad.cad.shape import section_mesh
+        from mpfcad.cad.step import section as section_step
+
+        section = self.section
+        if path.suffix == ".step":
+            section_step.write_section_step(
+                section, path, name=name, body="film",
+                colour=section_step.FILM_COLOUR, header=step_header(self.table),
+            )  # fmt: skip
+            return
+        if path.suffix == ".ply":
+            ply.write_section_ply(section, path, self.angle, name=name)
+            return
+        mesh = section_mesh.build_section_mesh(section, self.angle)
+        if path.suffix == ".3mf":
+            threemf.write_3mf_meshes({"film": mesh}, path, name)
+        else:
+            stl.write_mesh(mesh, path, name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.check.section_file import check_section_3mf, check_section_ply
+
+        if path.suffix == ".step":
+            return self.check_step(path)
+        if path.suffix == ".stl":
+            return self.check_mesh(path)
+        check = {".3mf": check_section_3mf, ".ply": check_section_ply}[path.suffix]
+        return check(path, self.section)
+
+    def check_step(self, path: Path) -> StepCheck:
+        from mpfcad.cad.check.section import check_section_step
+
+        return check_section_step(path, self.section, "film")
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        from mpfcad.cad.check.section import check_section_stl
+
+        measured = self.film.imperfection.measured
+        parabolas = None if measured is not None else self.film.film
+        return check_section_stl(path, self.section, self.angle, parabolas)
+
+    def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the C [1/mm] with which each groove as made holds the resin of these ratios."""
+        depth = given.process.groove.depth
+        height = given.process.fill_fraction(ratio) * depth / 2
+        return self.film.with_resin(height).film.curvature
+
+    def mould_film(self, where: str) -> MadeFilm:
+        return self.film
