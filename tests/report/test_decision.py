@@ -92,6 +92,6 @@ def test_the_scale_holds_the_interval_and_both_limits(low, high, end):
 def test_films_are_shown_on_one_scale():
     strips = decision_values(record(0.001, 0.008, "PASS"))["strips"]
     assert [row["name"] for row in strips["rows"]] == [
-        "this film: film", "plain BEF in this backlight", "conventional stack",
+        "this film: film", "plain BEF in this backlight", "the conventional stack",
     ]  # fmt: skip
     assert len({row["seen"] for row in strips["rows"]}) == 1

@@ -31,7 +31,7 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
     if record.get("plain"):
         curves.append(("plain BEF, this backlight", record["plain"], THIRD_COLOUR, THIRD_BAND))
     if not record["baseline"].get("is_own"):
-        name = str(record["baseline"]["stack"])
+        name = str(record["baseline"].get("stack", "conventional"))
         curves.append((name, record["baseline"], BASE_COLOUR, BASE_BAND))
     for name, found, colour, band in curves:
         curve = found["luminance"]

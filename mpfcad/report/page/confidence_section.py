@@ -47,18 +47,6 @@ def confidence_values(record: Record) -> Record | None:
     }
 
 
-def likely_words(record: Record) -> str:
-    """Return how likely the verdict is in the real backlight, as a sentence; or nothing."""
-    found = record.get("confidence")
-    if found is None:
-        return ""
-    one = found["probability"]["marginal"]
-    return (
-        f" With all that is not known exactly of backlight and print, a contrast of at most "
-        f"{one['limit']:g} is {with_interval(one, 2)} likely."
-    )
-
-
 def _bars(inputs: list[Record]) -> "go.Figure":
     """Return each input's share of the curve's variance, the largest on top."""
     import plotly.graph_objects as go

@@ -41,7 +41,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
         "plain BEF": record.get("plain"),
     }
     if not record["baseline"].get("is_own"):
-        names[record["baseline"]["stack"]] = record["baseline"]
+        names[record["baseline"].get("stack", "conventional")] = record["baseline"]
     traces = {name: found for name, found in names.items() if found and found["luminance"]}
     return {
         "traces": list(traces.items()),

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from mpfcad.report.page.confidence_section import likely_words
 from mpfcad.report.page.number import number, with_interval
 
 #: Gate -> (what it is, how it is computed: `_{…}` is lowered).
@@ -146,7 +145,7 @@ def verdict_sentence(record: dict[str, Any]) -> str:
             " Phototool only: the job names no mesh, so nothing is said of whether a screen "
             "prints it."
         )
-    return words + likely_words(record)
+    return words
 
 
 def label_of(name: str) -> str:
