@@ -11,6 +11,7 @@ from mpfcad.cli import (
     cad,
     calibrate,
     compare,
+    correct,
     design,
     doctor,
     init,
@@ -75,7 +76,7 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    judge, stacks, cache, init, doctor, signature,
+    judge, correct, stacks, cache, init, doctor, signature,
 )  # fmt: skip
 
 for command in _COMMANDS:

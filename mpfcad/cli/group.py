@@ -34,6 +34,7 @@ GROUPS = {
     },
     "Measure prints": {
         "judge": "mpfcad judge luminance.csv --against exports/patterned-16mm",
+        "correct": "mpfcad correct exports/patterned-16mm --measured seen.csv --lamp-at-mm 5.3",
         "calibrate": "mpfcad calibrate trace.csv --aperture 0.1 --out process.toml",
     },
     "Housekeeping": {

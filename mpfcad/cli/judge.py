@@ -71,8 +71,8 @@ def command(
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{name}: {value:g}: expected above 0")
     judging = Judging(
-        _photo(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
-        _unit(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
+        photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
+        unit_of(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
     )  # fmt: skip
     record = judge_luminance(file, judging)
     _write(record, out, page)
@@ -83,10 +83,11 @@ def command(
     return exit_code(gate_of(record).outcome)
 
 
-def _photo(
+def photo_of(
     pixel: float | None, scale: float, dark: Path | None, flat: Path | None, crop: str | None,
     rotation_deg: float,
 ) -> "Photo | None":  # fmt: skip
+    """Return how an image becomes luminance, by the options; None without a pixel's size."""
     from mpfcad.errors import InputError
     from mpfcad.measure.observed import Photo
     from mpfcad.units import deg
@@ -103,7 +104,8 @@ def _photo(
     return Photo(pixel, scale, dark, flat, box, rotation_deg * deg)
 
 
-def _unit(text: str | None) -> str | None:
+def unit_of(text: str | None) -> str | None:
+    """Return the unit that `--unit` names."""
     from mpfcad.film import parse_units
 
     return None if text is None else parse_units(text)[0]

@@ -1,0 +1,81 @@
+"""`mpfcad correct`: the next map after the luminance of a print was measured."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mpfcad.cli.judge import photo_of, unit_of
+from mpfcad.cli.option import Json, Threads
+
+
+def command(
+    export: Annotated[Path, typer.Argument(metavar="EXPORT", help="What was printed.")],
+    measured: Annotated[
+        Path, typer.Option("--measured", metavar="FILE", help="Its luminance, curve or image.")
+    ],
+    lamp_at_mm: Annotated[
+        float, typer.Option("--lamp-at-mm", metavar="MM", help="A lamp's place in that file.")
+    ],
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", metavar="FILE.toml", help="Of coupons of this print."),
+    ] = None,
+    pitch_mm: Annotated[
+        float | None,
+        typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch there [default: the stack's]."),
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
+    ] = None,
+    pixel_mm: Annotated[
+        float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
+    ] = None,
+    cd_m2_per_count: Annotated[
+        float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")
+    ] = 1.0,
+    dark: Annotated[Path | None, typer.Option("--dark", help="Image to take off.")] = None,
+    flat: Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")] = None,
+    crop: Annotated[
+        str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")
+    ] = None,
+    rotation_deg: Annotated[
+        float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
+    ] = 0.0,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder [default: exports/NAME-corrected]."),
+    ] = None,
+    threads: Threads = None,
+    json: Json = False,
+) -> int:
+    """Find the next map after a print was measured; write its job, and what changes in the mask."""
+    from mpfcad.cli.sign import print_json
+    from mpfcad.cli.terminal import Terminal
+    from mpfcad.pipeline.correct import correct_print
+    from mpfcad.pipeline.judge import Judging
+
+    folder = out or Path("exports") / f"{export.name}-corrected"
+    photo = photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg)
+    judging = Judging(photo, unit_of(unit), pitch_mm, lamp_at_mm)
+    with Terminal() as terminal:
+        record = correct_print(
+            export, measured, judging, folder,
+            process_file=process, threads=threads, progress=terminal,
+        )  # fmt: skip
+    if json:
+        print_json(record)
+        return 0
+    seen, next_one = record["measured_lamp_mura_contrast"], record["predicted_lamp_mura_contrast"]
+    print(f"measured contrast {seen['value']:.4f} [{seen['ci95'][0]:.4f}, {seen['ci95'][1]:.4f}]")
+    print(f"next map: {next_one['value']:.4f} [{next_one['ci95'][0]:.4f}, "
+          f"{next_one['ci95'][1]:.4f}] by the model as corrected, within "
+          f"{record['contrast_limit']:g} in {record['confidence']:.0%} of the measurement's "
+          "plausible truths")  # fmt: skip
+    share = record["share_at_limits"]
+    if share > 0:
+        low, high = record["curvature_limits_per_mm"]
+        print(f"C lies at what can be printed, {low:.4g} ... {high:.4g} /mm, over {share:.0%} of the "
+              "pitch: another mesh or period would allow more")  # fmt: skip
+    print(folder / f"{record['name']}.toml")
+    return 0

@@ -1,0 +1,228 @@
+"""The loop after the print: a measured luminance of an export's print, and the next map's job."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.design import Constraint, Grid, Response, estimate_operators
+from mpfcad.design.reprint import Reprint, Seen, find_reprint
+from mpfcad.errors import ExportError, InputError
+from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
+from mpfcad.film import Process
+from mpfcad.job import build_job
+from mpfcad.job.design import JOB_TABLES, Design
+from mpfcad.job.reader import validate
+from mpfcad.measure.observed import ObservedPitch, curve_of_image, observe_pitch, read_curve
+from mpfcad.measure.observed.image import is_image, read_image
+from mpfcad.pipeline.design.aim import design_constraint, design_goal
+from mpfcad.pipeline.effort import available_threads
+from mpfcad.pipeline.judge import Judging
+from mpfcad.pipeline.plan.plan import Plan, restore_plan
+from mpfcad.pipeline.progress import SILENT, Progress
+
+CORRECT_SCHEMA = 1
+_NODE_STEP, _HARMONICS = 6.0, 4
+#: C [1/mm] this near to a limit is at it.
+_NEAR = 0.5
+
+
+def correct_print(
+    export: Path,
+    measured: Path,
+    judging: Judging,
+    out: Path,
+    *,
+    process_file: Path | None = None,
+    threads: int | None = None,
+    progress: Progress = SILENT,
+) -> dict[str, Any]:
+    """Write the job of the next map into `out` and return its record.
+
+    `process_file`: a calibration from coupons of this print; the printed curvature is then what it
+    makes of the mask's aperture ratios.
+
+    Raises
+    ------
+    InputError
+        when the export has no mask over a lamp pitch, or the measurement cannot be used.
+    """
+    refuse_foreign(out.resolve(), "correct")
+    plan = _plan(export)
+    if judging.lamp is None:
+        raise InputError(
+            "--lamp-at-mm: expected a lamp's place in the measurement: a curve alone does not tell "
+            "whether lamps are bright or dark in it"
+        )
+    process = _process(plan, process_file)
+    place, printed = _printed(plan, process)
+    pitch = plan.stack.period.across
+    found = _observe(measured, judging, pitch)
+    progress.stage("estimating the model of the backlight")
+    design = _design(plan)
+    constraint = design_constraint(design, process, export)
+    response = _response(plan, constraint, printed, threads, progress)
+    limit = plan.job.gates.contrast_pass
+    reprint = find_reprint(
+        place, printed, _seen(found), response, constraint, design_goal(design), pitch, limit
+    )
+    record = _record(plan, found, reprint, limit) | {
+        "share_at_limits": _share_at_limits(reprint, constraint),
+        "curvature_limits_per_mm": [constraint.curvature_min, constraint.curvature_max],
+    }
+    with export_folder(out, "correct") as folder:
+        _write_job(folder, plan, reprint, process_file)
+        _write_difference(folder, plan, process, reprint)
+        write_text(folder / "correct.json", canonical_json(record))
+        write_manifest(folder, record["name"], "correct")
+    return record
+
+
+def _plan(export: Path) -> Plan:
+    try:
+        document = json.loads((export / "verification.json").read_text("utf-8"))
+        plan = restore_plan(export, document["job"])
+    except (OSError, ValueError, KeyError, TypeError, ExportError) as error:
+        raise InputError(f"{export}: {error}: expected an export of mpfcad run") from None
+    job = plan.job
+    wrong = (
+        "film.profile: no print makes it" if plan.process is None
+        else "map: varies along the grooves" if plan.field_film is not None
+        else f"map.extent: {job.map.extent}" if job.map.extent != "pitch"
+        else "stack.file: the job has a stack of its own" if job.stack.file is not None
+        else None
+    )  # fmt: skip
+    if wrong:
+        raise InputError(
+            f"{export}: {wrong}: expected a printed film of grooves, a map over the lamp pitch and "
+            "a preset's stack"
+        )
+    return plan
+
+
+def _process(plan: Plan, file: Path | None) -> Process:
+    """Return the process as printed: of the coupons, if there are any."""
+    from mpfcad.film import read_process
+
+    if file is not None:
+        return read_process(file, plan.job.film.groove)
+    assert plan.process is not None
+    return plan.process
+
+
+def _printed(plan: Plan, process: Process) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return places [pitch] from a lamp and the curvature that the mask's ratios gave there."""
+    assert plan.process is not None
+    panel, pitch = plan.panel, plan.stack.period.across
+    place = (panel.groove_position - plan.lamp_position) / pitch
+    inside = (place >= 0) & (place < 1)
+    ratio = plan.process.aperture_ratio_of_curvature(panel.curvature[inside])
+    return place[inside], np.asarray(process.curvature(ratio), np.float64)
+
+
+def _observe(measured: Path, judging: Judging, pitch: float) -> ObservedPitch:
+    if not measured.is_file():
+        raise InputError(f"{measured}: no such file: expected a luminance curve or image")
+    if is_image(measured):
+        if judging.photo is None:
+            raise InputError(f"{measured}: an image: expected --pixel-mm, the side of a pixel")
+        curve = curve_of_image(read_image(measured, judging.photo))
+    else:
+        curve = read_curve(measured, judging.unit)
+    return observe_pitch(curve, judging.pitch or pitch, judging.lamp, judging.seed)
+
+
+def _seen(found: ObservedPitch) -> Seen:
+    """Return the cosines of a measurement; its sines are the film's misplacement, not the map's."""
+    fit = found.fit
+    mean = float(fit.coefficient[0])
+    cosines = slice(1, 2 * _HARMONICS, 2)
+    return Seen(mean, fit.coefficient[cosines] / mean, fit.covariance[cosines, cosines] / mean**2)
+
+
+def _design(plan: Plan) -> Design:
+    """Return a design with the tables of the export's job."""
+    given = plan.job.given()
+    tables = {key: given[key] for key in JOB_TABLES if key in given}
+    name = f"{plan.job.name[:50]}-corrected"
+    return validate(Design, {"schema": 1, "name": name, **tables}, "job")
+
+
+def _response(
+    plan: Plan, constraint: Constraint, printed: NDArray[np.float64], threads: int | None,
+    progress: Progress,
+) -> Response:  # fmt: skip
+    low = min(constraint.curvature_min, float(printed.min()))
+    high = max(constraint.curvature_max, float(printed.max()))
+    node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
+    film = plan.job.film
+    return Response(
+        estimate_operators(
+            plan.stack, film.groove, film.base, film.profile, node, grid=Grid(),
+            seed=plan.job.seed, threads=threads or available_threads(), progress=progress.stage,
+        )
+    )  # fmt: skip
+
+
+def _share_at_limits(reprint: Reprint, constraint: Constraint) -> float:
+    """Return over which share of the pitch C lies at the least or the largest that is printed."""
+    low, high = constraint.curvature_min + _NEAR, constraint.curvature_max - _NEAR
+    return float(np.mean((reprint.curvature < low) | (reprint.curvature > high)))
+
+
+def _record(plan: Plan, found: ObservedPitch, reprint: Reprint, limit: float) -> dict[str, Any]:
+    value, low, high = reprint.contrast
+    return {
+        "schema": CORRECT_SCHEMA,
+        "name": f"{plan.job.name[:50]}-corrected",
+        "printed": plan.job.name,
+        "measured_lamp_mura_contrast": {
+            "value": found.contrast.value, "ci95": [found.contrast.low, found.contrast.high],
+        },
+        "predicted_lamp_mura_contrast": {"value": value, "ci95": [low, high]},
+        "contrast_limit": limit,
+        "confidence": reprint.confidence,
+        "model_contrast_of_printed_map": reprint.before,
+        "correction": {
+            "luminance_ratio": reprint.correction.scale,
+            "harmonics_over_mean": reprint.correction.relative.tolist(),
+        },
+    }  # fmt: skip
+
+
+def _write_job(folder: Path, plan: Plan, reprint: Reprint, process_file: Path | None) -> None:
+    """Write map and job; the calibration that was used goes with them."""
+    import tomli_w
+
+    name = f"{plan.job.name[:50]}-corrected"
+    position = reprint.position * plan.stack.period.across
+    lines = [f"{x:.6f},{c:.6f}" for x, c in zip(position, reprint.curvature, strict=True)]
+    write_text(folder / f"{name}.csv", "\n".join(["position_mm,curvature_per_mm", *lines, ""]))
+    document = dict(plan.job.given())
+    document |= {"name": name, "map": {"file": f"{name}.csv", "extent": "pitch"}}
+    text = plan.calibration if process_file is None else process_file.read_text("utf-8")
+    if text is not None:
+        write_text(folder / "process.toml", text)
+        document["process"] = {**document.get("process", {}), "calibration": "process.toml"}
+    build_job(document, name)
+    write_text(folder / f"{name}.toml", tomli_w.dumps(document))
+
+
+def _write_difference(folder: Path, plan: Plan, process: Process, reprint: Reprint) -> None:
+    """Write C and aperture ratio of printed mask and next one, and how much wider the next is."""
+    assert plan.process is not None
+    pitch = plan.stack.period.across
+    place, _ = _printed(plan, process)
+    inside = (plan.panel.groove_position - plan.lamp_position) / pitch
+    designed = plan.panel.curvature[(inside >= 0) & (inside < 1)]
+    old = plan.process.aperture_ratio_of_curvature(designed)
+    new_curvature = np.interp(place, reprint.position, reprint.curvature)
+    new = process.aperture_ratio_of_curvature(new_curvature)
+    head = "position_mm,printed_aperture_ratio,next_aperture_ratio,difference,next_curvature_per_mm"
+    lines = [
+        f"{x * pitch:.6f},{a:.8f},{b:.8f},{b - a:.8f},{c:.6f}"
+        for x, a, b, c in zip(place, old, new, new_curvature, strict=True)
+    ]
+    write_text(folder / "difference.csv", "\n".join([head, *lines, ""]))
