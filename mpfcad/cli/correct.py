@@ -75,7 +75,7 @@ def command(
     share = record["share_at_limits"]
     if share > 0:
         low, high = record["curvature_limits_per_mm"]
-        print(f"C lies at what can be printed, {low:.4g} ... {high:.4g} /mm, over {share:.0%} of the "
-              "pitch: another mesh or period would allow more")  # fmt: skip
+        print(f"C lies at what can be printed, {low:.4g} ... {high:.4g} /mm, over {share:.0%} of "
+              "the pitch: another mesh or period would allow more")  # fmt: skip
     print(folder / f"{record['name']}.toml")
     return 0
