@@ -128,6 +128,26 @@ def test_two_films_need_one_across_in_the_stack(tmp_path):
     assert len(films) == 1 and not math.isnan(films[0].fill_fraction)
 
 
+def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
+    from mpfcad.job.reader import read_job
+    from mpfcad.pipeline.measure.case import Measuring, read_case
+    from mpfcad.pipeline.measure.compare import compare_cases
+    from mpfcad.pipeline.measure.measure import measure_film
+    from mpfcad.pipeline.plan.plan import read_plan
+
+    case = read_case("mini-led-4mm")
+    with pytest.raises(InputError, match="expected stacks of tubes"):
+        compare_cases([case], tmp_path / "c", Measuring())
+    with pytest.raises(InputError, match="camera: not measured under LEDs: expected contrast"):
+        measure_film(case, ("camera",), tmp_path / "m", Measuring())
+    path = tmp_path / "job.toml"
+    path.write_text(
+        'schema = 1\nname = "j"\n[map]\ncurvature_per_mm = 60\n[stack]\npreset = "mini-led-4mm"\n'
+    )
+    with pytest.raises(InputError, match="expected a stack of tubes"):
+        read_plan(read_job(path), path)
+
+
 @pytest.mark.slow
 def test_a_design_from_file_to_record(tmp_path):
     from mpfcad.pipeline.led.design import run_led_design

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.pipeline.measure.case import Case, Measuring, baseline_case, measure_case
 from mpfcad.pipeline.measure.measure import describe_case, screen
@@ -24,10 +25,16 @@ def compare_cases(
     Raises
     ------
     InputError
-        when `out` is something else than an older comparison.
+        when `out` is something else than an older comparison, or LEDs light a case.
     """
     from mpfcad.report import write_compare_page
 
+    for case in cases:
+        if case.lit.is_cell:
+            raise InputError(
+                f"{case.name}: stack {case.lit.stack.name}: LEDs: expected stacks of tubes "
+                "to compare; mpfcad measure takes it alone"
+            )
     base = baseline_case()
     others = [case for case in cases if case.lit.case != base.lit.case]
     with export_folder(out, "compare") as folder:
