@@ -1,6 +1,7 @@
 """Runs of films that are no plain grooves: through CAD, mesh, trace and verdict, and verified."""
 
 import json
+from html import unescape
 
 import numpy as np
 import pytest
@@ -71,7 +72,7 @@ def test_run_and_verify(job_file, tmp_path, kind):
     (tmp_path / "field.npz").unlink()
     assert verify_export(out, threads=1) == record
     assert json.loads((out / "verification.json").read_text()) == record
-    page = (out / "report.html").read_text()
+    page = unescape((out / "report.html").read_text())
     words = {"rounded": "tip radius 1.5 µm, valley radius 1 µm", "measured": "measured profile"}
     words["spots"] = "varies across and along the grooves"
     assert words.get(kind, "A section through the cells' tips") in page

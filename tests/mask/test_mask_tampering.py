@@ -238,3 +238,32 @@ def test_a_broken_file_is_an_export_error(tmp_path, suffix):
     for bad in (path, tmp_path / f"absent.{suffix}"):
         with pytest.raises(ExportError, match=r"not a readable|no element|no command of a mask"):
             check_mask(bad, build())
+
+
+@pytest.mark.parametrize("side", ["left", "bottom", "right", "top"])
+def test_a_fiducial_that_reaches_into_the_panel_is_found(tmp_path, side):
+    """By one nanometre it is refused; beside the panel, touching its edge, it is not."""
+    mask = build()
+    width, length = round(mask.width * 1e6), round(mask.length * 1e6)
+    path = written(tmp_path / "m.gds", mask)
+
+    def place(inside):
+        def move(layout, top):
+            shape = next(top.shapes(layout.find_layer(10, 0)).each())
+            box = shape.bbox()
+            middle = (width // 2 - box.center().x, length // 2 - box.center().y)
+            x, y = {
+                "left": (inside - box.right, middle[1]),
+                "right": (width - inside - box.left, middle[1]),
+                "bottom": (middle[0], inside - box.top),
+                "top": (middle[0], length - inside - box.bottom),
+            }[side]
+            shape.transform(kdb.Trans(x, y))
+
+        return move
+
+    edit(path, place(0))
+    check_mask(path, mask)
+    edit(path, place(1))
+    with pytest.raises(ExportError, match="a fiducial inside the panel"):
+        check_mask(path, mask)
