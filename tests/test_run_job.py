@@ -289,7 +289,7 @@ def test_single_steps_write_only_what_was_asked(tmp_path, command, kind, monkeyp
     assert run_app([command, str(job), "--format", kind]) == 0
     folder = tmp_path / "exports" / f"uniform-c60-{command}"
     made = {
-        "mask": ["mask.lyrdb", "mask.oas", "mask.png", "screen.json"],
+        "mask": ["coupons.csv", "mask.lyrdb", "mask.oas", "mask.png", "order.pdf", "screen.json"],
         "cad": ["film.stl"],
     }[command]
     assert sorted(path.name for path in folder.iterdir()) == sorted(
