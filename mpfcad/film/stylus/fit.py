@@ -30,6 +30,8 @@ NAMED, REFUSED = 0.01, 0.08
 WORSE = 1.25
 #: The radius that a stated tip is compared with, as a share of its own.
 SHARPER = 0.75
+#: The linearised interval of the fill held 89 of 100 simulated truths: so much wider, 95 %.
+WIDER = 1.25
 _TWO_SIDED = 1.959964
 #: Prism widths that are fitted at most.
 MOST_WIDTHS = 40
@@ -267,7 +269,7 @@ def _fill_interval(fit: Fitted, spread: Spread) -> Interval:
         moved = np.clip(fit.fills + shift, 0.0, fit.model.top)
         return float(np.mean(unit.fill_fraction(moved)))
 
-    down, up = (max(spread.fill, unseen) for unseen in spread.unseen)
+    down, up = (max(WIDER * spread.fill, unseen) for unseen in spread.unseen)
     return Interval(mean(0.0), mean(up), mean(-down))
 
 
