@@ -4,8 +4,8 @@ Estimates are upper bounds; a refusal says which value would fit.
 """
 
 import math
+from collections.abc import Sequence
 
-from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.job import Job
 
@@ -16,8 +16,10 @@ _PIXELS = 3e10
 _TRIANGLES = 4e7
 
 
-def refuse_picture(job: Job, stack: Stack, formats: tuple[str, ...], where: str) -> None:
-    """Refuse a TIFF of the mask with more pixels than can be written in minutes.
+def refuse_picture(
+    job: Job, width: float, length: float, formats: Sequence[str], where: str
+) -> None:
+    """Refuse a TIFF of a mask of a width and length [mm] with more pixels than minutes write.
 
     Raises
     ------
@@ -26,13 +28,13 @@ def refuse_picture(job: Job, stack: Stack, formats: tuple[str, ...], where: str)
     """
     if "tif" not in formats:
         return
-    area = stack.panel_width * stack.panel_length / _INCH**2
+    area = width * length / _INCH**2
     pixels = area * job.mask.tif_dpi**2
     if pixels > _PIXELS:
         most = math.floor(math.sqrt(_PIXELS / area))
         raise InputError(
             f"{where}: mask.tif_dpi: {job.mask.tif_dpi:g}: {pixels / 1e9:.0f} gigapixels on "
-            f"{stack.panel_width:g} mm x {stack.panel_length:g} mm: expected at most {most} "
+            f"{width:g} mm x {length:g} mm: expected at most {most} "
             f"({_PIXELS / 1e9:.0f} gigapixels), or no tif"
         )
 

@@ -10,6 +10,7 @@ from mpfcad.job import Job
 from mpfcad.mask import Mask, Phototool
 from mpfcad.mask.screen.order import OrderTerms, describe_order, order_lines
 from mpfcad.pipeline.plan.screen import moire_setting
+from mpfcad.pipeline.plan.size import refuse_picture
 from mpfcad.record.printing import RATIO_LIMIT
 from mpfcad.units import mm, um
 
@@ -61,6 +62,7 @@ def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str
     InputError
         naming the job's field, and what would do.
     """
+    refuse_picture(job, mask.width, mask.length, formats, where)
     lattice = mask.rules.pattern in ("slot", "dot", "staggered", "angled") and not list(
         mask.tile_arrays
     )

@@ -11,8 +11,7 @@ from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.plan.field import refuse_single
-from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
-from mpfcad.pipeline.plan.size import refuse_picture
+from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
     RUN_CAD_FORMATS,
@@ -70,7 +69,6 @@ def run_job(
     job = plan.job
     if plan.field_film is not None:
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
-    refuse_picture(job, plan.stack, tuple(job.mask.formats), str(job_file))
     mask = plan_mask(plan)
     if mask is not None:
         refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
@@ -147,9 +145,6 @@ def make_mask(
         when a file does not read back as a mask.
     """
     progress.stage(f"reading {job_file}")
-    refuse_picture(
-        job, read_job_stack(job, job_file), formats or tuple(job.mask.formats), str(job_file)
-    )
     return make_planned_mask(read_mask_plan(job, job_file), job_file, out, formats, progress)
 
 
