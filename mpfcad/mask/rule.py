@@ -155,7 +155,7 @@ def check_rules(
             f"{ratio[bad].max():.4g} (curvature_per_mm {film.curvature[bad].min():.4g} … "
             f"{film.curvature[bad].max():.4g}): expected 0 or {low:.4g} … {high:.4g} ({asked}), "
             f"that is curvature_per_mm {bottom:.4g} … {top:.4g} or {empty:g} (no resin)"
-            f"{suggest_mesh(rules, size[along > 0], period)}"
+            f"{suggest_mesh(rules, size[along > 0].astype(np.float64), period)}"
         )
     if rules.pattern == "slot":
         _check_runs(where, along > 0, pitch, rules)

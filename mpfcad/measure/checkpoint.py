@@ -58,5 +58,5 @@ def _decoded(content: bytes) -> "Tally":
 
     with np.load(io.BytesIO(content), allow_pickle=False) as stored:
         values = dict(stored)
-    whole = {name: int(values.pop(name)) for name in ("paths", "blocks")}
-    return Tally(**values, **whole)
+    paths, blocks = int(values.pop("paths")), int(values.pop("blocks"))
+    return Tally(**values, paths=paths, blocks=blocks)

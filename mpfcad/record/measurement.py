@@ -163,7 +163,7 @@ def ratio(over: dict[str, Any], under: dict[str, Any]) -> dict[str, Any]:
     def end(of: dict[str, Any], i: int) -> float:
         return of["ci95"][i] - of["value"]
 
-    return describe_estimate(
+    described = describe_estimate(
         Estimate(
             float(value),
             value - apart(end(over, 0), end(under, 1)),
@@ -171,6 +171,8 @@ def ratio(over: dict[str, Any], under: dict[str, Any]) -> dict[str, Any]:
             apart(over["standard_error"], under["standard_error"]),
         )
     )
+    assert described is not None  # an estimate was given
+    return described
 
 
 def _numbers(values: Any) -> list[float]:

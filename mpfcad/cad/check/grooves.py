@@ -126,8 +126,8 @@ class _Facets:
         """Return the angles to the secants: of all, of the worst groove, and the largest."""
         secant = self.secant_error()
         square = secant**2 * self.area
-        by_groove = np.bincount(self.groove, square, self.film.groove_count)
-        by_groove = by_groove / np.bincount(self.groove, self.area, self.film.groove_count)
+        by_groove = np.bincount(self.groove, square, self.film.groove_count).astype(float)
+        by_groove /= np.bincount(self.groove, self.area, self.film.groove_count)
         rms = float(np.sqrt(square.sum() / self.area.sum()))
         return Secant(rms, float(np.sqrt(by_groove.max())), float(secant.max()))
 

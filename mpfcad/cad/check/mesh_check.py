@@ -139,7 +139,7 @@ def extent_error(
 ) -> float:
     """Return how far [mm] facets are from reaching from `low` to `high` [mm], both in float32."""
     found = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
-    wanted = np.float32(low), np.float32(high)
+    wanted = np.array(low, np.float32), np.array(high, np.float32)
     return max(float(np.abs(a - b).max()) for a, b in zip(found, wanted, strict=True))
 
 

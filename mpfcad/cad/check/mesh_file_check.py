@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> Bo
     for name, mesh in bodies.items():
         if not mesh.IsManifoldAndOriented():
             raise ExportError(f"{path.name}: {name}: not closed and oriented")
-        points = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], float)
+        points = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], np.float64)
         faces = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()])
         count[name] = len(faces)
         volume[name] = _volume(points, faces)
@@ -74,7 +75,7 @@ def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> Bo
     return BodyCheck(volume, count)
 
 
-def _placed_meshes(path: Path, model: object) -> dict[str, object]:
+def _placed_meshes(path: Path, model: Any) -> dict[str, Any]:
     """Return the mesh objects that the build's one assembly holds, each where it was drawn."""
     items = model.GetBuildItems()
     bodies = {}

@@ -49,10 +49,10 @@ def build_outline(
     owner = np.repeat(piece, count)
     share = (np.arange(start[-1]) - start[owner]) / count[owner]
     angle = steep[0][owner] + share * (steep[1] - steep[0])[owner]
-    x = np.where(share == 0, section.x[owner], section.position_of_slope(owner, angle))
+    place = np.where(share == 0, section.x[owner], section.position_of_slope(owner, angle))
     # Stretched by less than half a step to end at the rounded width, at the height of its start.
     stretch = float(np.float32(section.width)) / section.width
-    x = (np.append(x, section.width) * stretch).astype(np.float32)
+    x: NDArray[np.float32] = (np.append(place, section.width) * stretch).astype(np.float32)
     z = section.height_on(_lender(owner, x), x.astype(float) / stretch)
     z[-1] = z[0]
     z = z.astype(np.float32)
@@ -63,7 +63,7 @@ def build_outline(
             f"angle_tolerance: {angle_tolerance / deg:g} deg: too fine for the float32 coordinates "
             f"of an STL file {section.width:g} mm wide"
         )
-    return np.asarray(x, np.float64), z, owner
+    return x, z.astype(np.float32), owner
 
 
 def piece_tolerance(section: Section, angle_tolerance: float) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ margin, so that its cut makes no marker.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -113,7 +113,8 @@ def find_narrow(
         "min_aperture": _too_thin(opened, aperture_limit),
         "min_web": _too_thin(wide.sized(2 * web_limit) - opened, web_limit),
     }
-    close = opened.isolated_check(web_limit, metrics=kdb.Metrics.Euclidian) if web_limit else []
+    metrics = kdb.Metrics.Euclidian
+    close: Any = opened.isolated_check(web_limit, metrics=metrics) if web_limit else []
     inside = kdb.Box(*box)
     for rule, region in narrow.items():
         found += [Violation(rule, _corners(p.bbox())) for p in region.each()

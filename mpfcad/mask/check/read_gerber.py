@@ -153,7 +153,7 @@ class _Reader:
         if begins:
             self.contour = []
             return
-        x, y = zip(*self.contour, strict=True)
+        x, y = zip(*(self.contour or ()), strict=True)
         if self.layer not in (APERTURE, FIDUCIAL, TEXT, COUPON):
             raise ExportError(f"{self.path}: a region on layer {self.layer}")
         self.polygons[self.layer].append((min(x), min(y), max(x), max(y)))

@@ -49,8 +49,10 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
     text = tuple(line for part in found for line in part.split("\n"))
     groups: dict[str, list[ElementTree.Element]] = {}
     body = root.find(f"{_SVG}g")
+    if body is None:
+        raise ExportError(f"{path}: holds no group of layers")
     for group in body.findall(f"{_SVG}g"):
-        groups.setdefault(group.get("class") or group.get("id"), []).append(group)
+        groups.setdefault(group.get("class") or group.get("id") or "", []).append(group)
     tiles = {group.attrib["id"]: group for group in body.iterfind(f"{_SVG}defs/{_SVG}g")}
     polarity = read_polarity(path, text)
     if (polarity == "closed") != ("closed" in groups):

@@ -59,8 +59,8 @@ def read_tiff(
     """
     try:
         data = np.memmap(path, np.uint8, "r")
-        tags = _read_tags(data)
-        text = tuple(tags[DESCRIPTION].split("\n"))
+        tags, description = _read_tags(data)
+        text = tuple(description.split("\n"))
         numerator, denominator = tags[X_RESOLUTION][:2]
     except (OSError, KeyError, struct.error, ValueError, IndexError) as error:
         raise ExportError(f"{path}: not a readable mask: {error!r}") from None
@@ -89,14 +89,15 @@ def _corner(path: Path, text: tuple[str, ...]) -> tuple[int, int]:
     raise ExportError(f"{path}: description: wanted where the panel is")
 
 
-def _read_tags(data: NDArray[np.uint8]) -> dict[int, tuple[int, ...] | str]:
-    """Return the tags of the first picture."""
+def _read_tags(data: NDArray[np.uint8]) -> tuple[dict[int, tuple[int, ...]], str]:
+    """Return the tags of the first picture that are numbers, and its description."""
     head = data[:16].tobytes()
     if head[:8] != b"II+\x00\x08\x00\x00\x00":
         raise ValueError("no little-endian BigTIFF")
     (start,) = struct.unpack_from("<Q", head, 8)
     (count,) = struct.unpack("<Q", data[start : start + 8].tobytes())
-    tags: dict[int, tuple[int, ...] | str] = {}
+    tags: dict[int, tuple[int, ...]] = {}
+    text: dict[int, str] = {}
     for i in range(count):
         entry = data[start + 8 + 20 * i : start + 28 + 20 * i].tobytes()
         tag, kind, number = struct.unpack_from("<HHQ", entry)
@@ -108,10 +109,10 @@ def _read_tags(data: NDArray[np.uint8]) -> dict[int, tuple[int, ...] | str]:
             (place,) = struct.unpack("<Q", raw)
             raw = data[place : place + size * number].tobytes()
         if kind == 2:
-            tags[tag] = raw[:number].rstrip(b"\x00").decode("ascii")
+            text[tag] = raw[:number].rstrip(b"\x00").decode("ascii")
         else:
             tags[tag] = struct.unpack_from(f"<{number * len(code)}{code[0]}", raw)
-    return tags
+    return tags, text[DESCRIPTION]
 
 
 def _sum_up(

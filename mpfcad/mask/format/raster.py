@@ -93,7 +93,7 @@ class Spans:
         return cls(
             left, right, np.ascontiguousarray(count), (y - foot) / raster.pixel,
             step / raster.pixel, np.asarray(area / (right - left), np.float64),
-            np.arange(len(table)) * GOLDEN % 1.0,
+            np.arange(float(len(table))) * GOLDEN % 1.0,
         )  # fmt: skip
 
     def draw(self, bits: NDArray[np.uint8], bottom: int, on: bool) -> None:

@@ -167,8 +167,9 @@ def _build_tiled(
     ratio = CellRatio.build(film, process, cells)
     if isinstance(film, PrismFilm):
         wanted = process.aperture_ratio_of_curvature(film.curvature)
+        level: NDArray[np.integer]
         level_ratio, of_groove = np.unique(np.append(0.0, wanted), return_inverse=True)
-        level = of_groove[1:, None]
+        level = np.asarray(of_groove[1:, None], np.int64)
     else:
         level, level_ratio = quantise(ratio, tile_cells)
     steps = round(film.length / GRID) // cells

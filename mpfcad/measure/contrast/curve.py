@@ -189,9 +189,12 @@ def _likelihoods(
     # Two groups: one part after the other, twice.
     best = [Choice(len(SPECTRA) - 2, sizes[_STEPS // 3])] * 2
 
+    def rank(trial: tuple[Choice, ...]) -> tuple[float, tuple[Choice, ...]]:
+        return likelihood(trial), trial
+
     def take_best(group: int, ways: list[Choice]) -> None:
         trials = [(*best[:group], way, *best[group + 1 :]) for way in ways]
-        best[:] = max(trials, key=lambda trial: (likelihood(trial), trial))
+        best[:] = max(trials, key=rank)
 
     for group in (0, 1, 0, 1):
         take_best(group, [best[group]._replace(variance=size) for size in sizes])

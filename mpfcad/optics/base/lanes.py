@@ -8,7 +8,7 @@ serves a single path and eight.
 """
 
 import operator
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from llvmlite import ir
 from numba.core import cgutils, types
@@ -140,7 +140,7 @@ reversed_bits = _of_llvm("bitreverse", I8, types.uint64)
 @intrinsic
 def select(typingctx, mask, a, b):
     """Return a where the mask holds, else b: lane by lane, or of plain numbers."""
-    kind = next((t for t in (a, b) if isinstance(t, Lanes)), None)
+    kind: Any = next((t for t in (a, b) if isinstance(t, Lanes)), None)
     if mask == M8 and kind is None:
         kind = {types.Float: F8, types.Boolean: M8}.get(type(typingctx.unify_types(a, b)), I8)
     if kind is None:

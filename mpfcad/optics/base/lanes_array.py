@@ -6,6 +6,7 @@
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.types.containers import UniTuple
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 from numpy.typing import DTypeLike, NDArray
@@ -108,7 +109,7 @@ def gather_line(typingctx, array, index):
     """
     wide = F8 if isinstance(array.dtype, types.Float) else I8
     kind = wide if index == I8 else array.dtype
-    result = types.UniTuple(kind, 8)
+    result = UniTuple(kind, 8)
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
@@ -149,7 +150,7 @@ def gather_row(typingctx, array, index):
             columns.append(_shuffle(builder, halves[0], halves[1], [0, 1, 4, 5, 2, 3, 6, 7]))
         return context.make_tuple(builder, sig.return_type, columns)
 
-    return types.UniTuple(kind, 4)(array, index), lower
+    return UniTuple(kind, 4)(array, index), lower
 
 
 def _row_pointer(context, builder, array, value, row, vector: ir.VectorType):
@@ -193,7 +194,7 @@ def store(typingctx, array, row, value):
 def load_lines(typingctx, array):
     """Return the columns of an (8, 8) contiguous array as a tuple of lanes."""
     kind = F8 if isinstance(array.dtype, types.Float) else I8
-    result = types.UniTuple(kind, LANES)
+    result = UniTuple(kind, LANES)
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data

@@ -162,11 +162,12 @@ def read_plan(job: Job, job_file: Path) -> Plan:
             "expected a stack of tubes; mpfcad trace and measure take films under LEDs"
         )
     _refuse_resin(job, stack, str(job_file))
-    calibration = files.get(job.process.calibration)
+    calibration = files.get(job.process.calibration or "")
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     curvature: FieldFilm | NDArray[np.float64]
     if has_field(job, job_file):
+        assert job.map.file is not None  # a map C(x, y) is a file
         curvature = read_field_film(job, folder / job.map.file, str(job_file), count, stack)
     else:
         refuse_window(job, str(job_file))
@@ -372,7 +373,8 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
         overrides["film_index"] = index
     overrides.update(job.resin.document() if job.resin else {})
     file = job.stack.file
-    source = job.stack.preset if file is None else job_file.parent / file
+    assert file is not None or job.stack.preset is not None  # the job has one of both
+    source = job_file.parent / file if file is not None else job.stack.preset or ""
     try:
         stack = read_stack(source, thickness=job.stack.thickness, overrides=overrides)
     except InputError as error:

@@ -46,6 +46,7 @@ def screen_mesh(table: MeshTable, where: str) -> Mesh:
     where = f"{where}: mask.mesh"
     if table.name is not None:
         return find_mesh(table.name, emulsion=table.emulsion, where=where)
+    assert table.threads_per_cm is not None  # the job has looked
     return build_mesh(
         table.threads_per_cm,
         table.thread,

@@ -104,8 +104,9 @@ def write_mask_pictures(
         return
     name = next((n for n, check in checks.items() if check.windows), next(iter(checks)))
     write_preview(folder / MASK_PICTURE, (source or folder) / name, checks[name], mask)
-    if checks[name].windows:
-        write_markers(folder / MASK_MARKERS, name, checks[name].windows)
+    windows = checks[name].windows
+    if windows:
+        write_markers(folder / MASK_MARKERS, name, windows)
 
 
 def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progress) -> None:

@@ -104,7 +104,9 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
         return _read_field(job, job_file)
     refuse_unprintable(job, str(job_file))
     plan = read_plan(job, job_file)
-    return MaskPlan(plan.job, plan_mask(plan), plan.process, plan)
+    mask, process = plan_mask(plan), plan.process
+    assert mask is not None and process is not None  # what no screen prints is refused
+    return MaskPlan(plan.job, mask, process, plan)
 
 
 def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
@@ -122,7 +124,7 @@ def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
     if has_field(job, job_file):
         stack = read_job_stack(job, job_file)
         count = groove_count(stack.panel_width, job.film.groove.pitch)
-        assert job.map.file is not None  # a map of both directions is a file
+        assert job.map.file is not None  # a map C(x, y) is a file
         map_file = job_file.parent / job.map.file
         film: Any = read_field_film(bare, map_file, str(job_file), count, stack)
     else:
@@ -138,6 +140,7 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     stack = read_job_stack(job, job_file)
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
+    assert job.map.file is not None  # a map C(x, y) is a file
     map_file = job_file.parent / job.map.file
     film = read_field_film(job, map_file, str(job_file), count, stack)
     file = job.process.calibration

@@ -155,6 +155,7 @@ def _record(
     thickness = mould.film.thickness + setting.backing * shrink
     block = mould.film.width * mould.film.length * thickness
     together = volume["mould.step"] * shrink**3 + mould.film.volume
+    warnings: list[str] = []
     record = {
         "schema": 1,
         "name": job.name,
@@ -186,10 +187,10 @@ def _record(
                 "max": float(mould.lost_height.max()) / um,
             },
         },
-        "warnings": [],
+        "warnings": warnings,
     }
     if mould.lost_height.max() > 0:
-        record["warnings"].append(
+        warnings.append(
             f"a tool of nose radius {setting.tool_radius / um:g} µm cannot reach into the mould's "
             f"valleys: the film's tips will be up to {mould.lost_height.max() / um:.3g} µm lower "
             f"and lose up to {mould.lost_area.max() / um**2:.3g} µm² a groove"

@@ -104,7 +104,7 @@ def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     wanted = plan.panel.curvature
-    if plan.field_film is not None:
+    if plan.field_film is not None and findings.wanted_ratio is not None:
         # What the mask has of a groove is one ratio: the curvature that its mean would give.
         wanted = plan.process.curvature(findings.wanted_ratio)
     found = {

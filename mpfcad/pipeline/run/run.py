@@ -5,6 +5,7 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.film import FieldPiece
 from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.measure import Checkpoints
@@ -67,7 +68,7 @@ def run_job(
     for table in plan.stack.tables.values():
         progress.note(table.table.summary())
     job = plan.job
-    if plan.field_film is not None:
+    if plan.field_film is not None and isinstance(plan.drawn, FieldPiece):
         refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
     mask = plan_mask(plan)
     if mask is not None:
