@@ -88,7 +88,7 @@ def test_a_traced_cell_goes_through_record_page_and_terminal(found, capsys):
     assert found.is_mirrored and record["accelerator"] == "chain"
     page = _cell(record)
     assert page["cell"] and len(page["rows"]) > 8
-    print_trace({"traced": {"tables": []}, **record}, as_json=False)
+    print_trace({"traced": {"tables": [], "notes": []}, **record}, as_json=False)
     assert "cell 12.15 × 12.15 mm" in capsys.readouterr().out
 
 
