@@ -9,6 +9,7 @@ from mpfcad.cli import run_app
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 
 
+@pytest.mark.slow
 def test_a_job_its_report_and_its_verification_open_no_connection(tmp_path, monkeypatch):
     tried = []
 

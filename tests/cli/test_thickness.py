@@ -156,12 +156,11 @@ def test_a_design_finds_the_least_thickness_and_resumes_to_the_same_bytes(tmp_pa
     assert f"Least thickness that serves, of 8 … 20 mm: {least:g} mm." in result.stdout
     assert "conventional stack's" in result.stdout
 
-    # As if it had been killed before the traces of that thickness, which are the first.
-    traces = sorted((tmp_path / "cache" / "design").iterdir(), key=lambda p: p.stat().st_mtime_ns)
-    for path in traces[: len(json.loads(whole["design.json"])["iterations"])]:
-        path.unlink()
+    # As if it had been killed in its last trace.
+    kept = (tmp_path / "cache" / "design").iterdir()
+    max(kept, key=lambda path: path.stat().st_mtime_ns).unlink()
     result = mpfcad(*arguments, cwd=tmp_path, timeout=1800)
     assert result.returncode == 0, result.stderr
-    assert result.stderr.count("tracing iteration 1") == 1
+    assert result.stderr.count("tracing iteration") == 1
     assert "tracing the conventional stack" not in result.stderr
     assert content(out) == whole
