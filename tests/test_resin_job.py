@@ -7,10 +7,11 @@ import pytest
 from harness import BARE, film_file
 
 from mpfcad.backlight import PRISM_FILE, stack_file
+from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import build_job, read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
-from mpfcad.pipeline.plan.plan import describe_stack, read_plan, restore_stack
+from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 

@@ -8,12 +8,12 @@ import pytest
 
 from mpfcad.backlight import read_stack
 from mpfcad.backlight.lower import lower_stack
+from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import klems_basis, ring_basis
 from mpfcad.optics.bsdf.file import bsdf_texts, write_texts
 from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.element import BsdfSheet, Cavity
-from mpfcad.pipeline.plan.plan import describe_stack, restore_stack
 
 BACK_ONLY = Path(__file__).parents[1] / "optics" / "case" / "white-black-back-only.xml"
 QUARTER = klems_basis("LBNL/Klems Quarter")

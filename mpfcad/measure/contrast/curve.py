@@ -193,8 +193,10 @@ def _likelihoods(
         return likelihood(trial), trial
 
     def take_best(group: int, ways: list[Choice]) -> None:
+        trials: list[tuple[Choice, ...]]
         trials = [(*best[:group], way, *best[group + 1 :]) for way in ways]
-        best[:] = max(trials, key=rank)
+        chosen = max(trials, key=rank)
+        best[:] = chosen
 
     for group in (0, 1, 0, 1):
         take_best(group, [best[group]._replace(variance=size) for size in sizes])

@@ -108,7 +108,7 @@ def _plain_case(stack: Stack) -> Case:
 
 
 def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Case:
-    from mpfcad.pipeline.plan.plan import restore_stack
+    from mpfcad.backlight.stored import restore_stack
 
     try:
         manifest = check_manifest(folder)

@@ -2,22 +2,15 @@
 
 import math
 import tempfile
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight import (
-    Layer,
-    Quantity,
-    Stack,
-    read_stack,
-    restore_bsdf_layer,
-    restore_spec,
-    stack_file,
-)
+from mpfcad.backlight import Stack, read_stack
+from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
     CurvatureMap,
@@ -245,35 +238,6 @@ def stored_job(plan: Plan) -> dict[str, Any]:
         "measured_mm": None if plan.measured is None else plan.measured.tolist(),
         "stack": describe_stack(plan.stack),
     }
-
-
-def describe_stack(stack: Stack) -> dict[str, Any]:
-    """Return a stack as plain values; `restore_stack` makes the same stack of them again."""
-    source = stack.spec.describe()
-    return {
-        "name": stack.name,
-        "title": stack.title,
-        **({"source": source} if source else {}),
-        "layers": list(stack.layers),
-        "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
-        "tables": {name: table.describe() for name, table in stack.tables.items()},
-        "extent": stack.extent,
-        "own": {
-            name: {**asdict(layer), "file": stack_file(name) if layer.file else None}
-            for name, layer in stack.own.items()
-        },
-    }
-
-
-def restore_stack(document: dict[str, Any]) -> Stack:
-    """Return the stack that `describe_stack` has described; its meshes are in the export."""
-    quantity = {name: Quantity(**entry) for name, entry in document["quantity"].items()}
-    own = {name: Layer(**entry) for name, entry in document["own"].items()}
-    tables = {name: restore_bsdf_layer(entry) for name, entry in document["tables"].items()}
-    return Stack(
-        document["name"], document["title"], tuple(document["layers"]), quantity,
-        document["extent"], own, tables, spec=restore_spec(document.get("source", {})),
-    )  # fmt: skip
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:
