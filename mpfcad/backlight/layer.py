@@ -107,7 +107,7 @@ def read_layer(
     allowed += ["flipped"] if is_film else []
     unknown = sorted(set(entry) - set(allowed))
     if unknown:
-        raise InputError(f"{at}: {unknown[0]}: unknown key; allowed: {', '.join(allowed)}")
+        raise InputError(f"{at}: {unknown[0]}: unknown key; expected: {', '.join(allowed)}")
     flipped, file = entry.get("flipped", False), entry.get("file")
     if not isinstance(flipped, bool):
         raise InputError(f"{at}: flipped: {flipped}: must be true or false")

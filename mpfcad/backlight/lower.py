@@ -32,7 +32,7 @@ def lower_stack(
         when the mesh of another film, or that of the prisms, cannot be traced.
     """
     if stack.has_slot != (mesh is not None):
-        what = "its film needs a mesh" if stack.has_slot else "has no film: allowed is no mesh"
+        what = "its film needs a mesh" if stack.has_slot else "has no film: expected no mesh"
         raise InputError(f"stack {stack.name}: {what}")
     elements: list[Element] = [stack.source.lower(stack.tables)]
     for i, layer in enumerate(stack.layers):

@@ -99,7 +99,7 @@ def read_quantity(
     Raises
     ------
     InputError
-        naming the key, the value and what is allowed.
+        naming the key, the value and what is expected.
     """
     limits = find_range(key, own, spec)
     if limits is None:
@@ -107,7 +107,7 @@ def read_quantity(
         known += FILM_RANGES
         known += spec.patterns()
         known += [f"{name}.{v}" for name, layer in own.items() for v in OWN_VALUES[layer.kind]]
-        raise InputError(f"{where}.{key}: unknown value; allowed: {', '.join(known)}")
+        raise InputError(f"{where}.{key}: unknown value; expected: {', '.join(known)}")
     tag, source, value = "given", "given by the user", entry
     if isinstance(entry, dict):
         if set(entry) - _ENTRY or "value" not in entry:

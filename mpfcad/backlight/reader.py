@@ -52,7 +52,7 @@ def read_stack(
     Raises
     ------
     InputError
-        when the file, a key, a layer or a value is wrong; the text names it and the allowed range.
+        when the file, a key, a layer or a value is wrong; the text names it and the expected range.
     """
     where = str(name)
     with guarded(where, "a stack"):
@@ -137,7 +137,9 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
     table = read_toml(path)
     unknown = sorted(set(table) - _KEYS)
     if unknown:
-        raise InputError(f"{where}: {unknown[0]}: unknown key; allowed: {', '.join(sorted(_KEYS))}")
+        raise InputError(
+            f"{where}: {unknown[0]}: unknown key; expected: {', '.join(sorted(_KEYS))}"
+        )
     text = _Text(where)
     if "extends" in table:
         base = table["extends"]

@@ -1,7 +1,7 @@
 """The job: the TOML file that says which film to make, how, and against which gates.
 
 `read_job` turns the file into a frozen `Job`; unknown keys are refused, and whatever is wrong
-becomes one `InputError` line that names the file, the field, its value and what is allowed.
+becomes one `InputError` line that names the file, the field, its value and what is expected.
 """
 
 from mpfcad.job.model import (

@@ -1,4 +1,4 @@
-"""TOML file -> Job, and whatever is wrong in one line: file, field, value, what is allowed."""
+"""TOML file -> Job, and whatever is wrong in one line: file, field, value, what is expected."""
 
 from pathlib import Path
 from types import NoneType
@@ -19,7 +19,7 @@ def build_job(document: dict[str, Any], where: str) -> Job:
     Raises
     ------
     InputError
-        naming the first field that is wrong, its value and what is allowed.
+        naming the first field that is wrong, its value and what is expected.
     """
     return validate(Job, document, where)
 
@@ -30,7 +30,7 @@ def validate(model: type[Model], document: dict[str, Any], where: str) -> Model:
     Raises
     ------
     InputError
-        naming the first field that is wrong, its value and what is allowed.
+        naming the first field that is wrong, its value and what is expected.
     """
     with guarded(where, "plain values"):
         try:
@@ -62,7 +62,7 @@ def read_document(path: Path) -> dict[str, Any]:
 
 
 def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
-    """Return `field: value: what is allowed` of the first error, and how many more there are."""
+    """Return `field: value: what is expected` of the first error, and how many more there are."""
     errors = error.errors(include_url=False)
     first = errors[0]
     field = ".".join(str(part) for part in first["loc"]) or "job"

@@ -133,7 +133,7 @@ def check_rules(
     Raises
     ------
     InputError
-        one line naming the grooves, their ratios, and the ratios, curvatures and mesh allowed.
+        one line naming the grooves, their ratios, and the ratios, curvatures and mesh expected.
     """
     pitch, empty = film.groove.pitch, film.groove.curvature_empty
     low, high = ratio_range(rules, pitch, period)

@@ -106,7 +106,7 @@ def trace_film_bsdf(
             raise
     lost = number[:, :, -1].sum() / number.sum()
     if lost > _MOST_LOST:
-        raise TraceError(f"{name}: {lost:.2e} of the rays were lost; allowed {_MOST_LOST:g}")
+        raise TraceError(f"{name}: {lost:.2e} of the rays were lost; expected {_MOST_LOST:g}")
     kept = number[:, :, :-1].reshape(2, count, 2, count).transpose(2, 0, 1, 3)
     chance = kept / kept.sum(axis=(0, 3))[None, :, :, None]
     traced = BsdfTable(name, basis, False, chance / basis.projected)

@@ -101,7 +101,7 @@ def test_wrong_tables_are_refused(tmp_path, layers, words):
 def test_a_mesh_and_a_film_go_together(tmp_path):
     write_table(tmp_path)
     stack = read_stack(write_stack(tmp_path, '{ kind = "bsdf", file = "sheet.csv" }'))
-    with pytest.raises(InputError, match="has no film: allowed is no mesh"):
+    with pytest.raises(InputError, match="has no film: expected no mesh"):
         lower_stack(stack, object())
     with pytest.raises(InputError, match="its film needs a mesh"):
         lower_stack(read_stack("thesis-32in-mpf"), None)

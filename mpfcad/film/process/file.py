@@ -230,7 +230,7 @@ def _check_growth(where: str, names: list[str], ratio: np.ndarray, fill: np.ndar
 
 
 def _first_error(error: ValidationError) -> str:
-    """Return pydantic's first error as `field: value: what is allowed`, on one line."""
+    """Return pydantic's first error as `field: value: what is expected`, on one line."""
     first = error.errors()[0]
     place = [f"row {p + 1}" if isinstance(p, int) else str(p) for p in first["loc"]]
     place = [p for i, p in enumerate(place) if not (p == "row" and i + 1 < len(place))]

@@ -34,7 +34,7 @@ def build_mask(film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, 
     Raises
     ------
     InputError
-        one line naming the grooves (counted from 0), the values and what is allowed.
+        one line naming the grooves (counted from 0), the values and what is expected.
     """
     where = f"{name}: mask"
     if film.profile != "filled":
@@ -91,7 +91,7 @@ def _check_ratio(
     Raises
     ------
     InputError
-        one line naming the grooves, their ratios, and the ratios and curvatures allowed.
+        one line naming the grooves, their ratios, and the ratios and curvatures expected.
     """
     pitch = film.groove.pitch
     highest = ratio_range(rules, pitch, period)[1]

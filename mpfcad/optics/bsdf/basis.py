@@ -92,7 +92,7 @@ class AngleBasis:
         odd = (self.azimuths % 2 == 1) & (self.azimuths > 1)
         if odd.any():
             raise InputError(
-                f"{self.name}: a ring of {self.azimuths[odd][0]} azimuths: allowed 1 or an even "
+                f"{self.name}: a ring of {self.azimuths[odd][0]} azimuths: expected 1 or an even "
                 f"number"
             )
         turned = [(np.arange(n) + n // 2) % n for n in self.azimuths]
@@ -126,7 +126,7 @@ def klems_basis(name: str) -> AngleBasis:
     for known, (edge_deg, azimuths) in _KLEMS.items():
         if known.lower() == name.lower():
             return AngleBasis(known, np.radians(edge_deg), np.array(azimuths, np.int64))
-    raise InputError(f"basis: {name}: allowed {', '.join(_KLEMS)}")
+    raise InputError(f"basis: {name}: expected {', '.join(_KLEMS)}")
 
 
 def even_basis(rings: int) -> AngleBasis:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mpfcad.backlight import PRISM_FILE
+from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.export import canonical_json, sha256
 from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
@@ -128,7 +129,8 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
     check = next(iter(findings.mask.values()), None)
     return Evidence(
         folder=folder,
-        stack=plan.stack,
+        # As the export states it: a layer's file goes by its name in there.
+        stack=restore_stack(describe_stack(plan.stack)),
         panel=plan.panel,
         piece=plan.piece,
         drawn=plan.drawn,
