@@ -342,4 +342,6 @@ def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
     assert figures["accelerator"] == "chain"
     validate(figures, published_schema("trace"))
     assert run_app(["trace", str(export / "film.stl"), *options[:-1]]) == 0
-    assert capsys.readouterr().out.splitlines()[-1] == "accelerator chain"
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-2] == "accelerator chain"
+    assert lines[-1].startswith("read film.stl: binary STL, ")

@@ -157,10 +157,15 @@ def test_impossible_tolerances_are_refused(make_film, angle):
 
 
 @pytest.mark.parametrize(
-    ("curvature", "profile"), [(-1.0, "filled"), (np.nan, "filled"), (720.0, "ideal")]
+    ("curvature", "profile", "words"),
+    [
+        (-1.0, "filled", r"curvature\[1\]: -1"),
+        (np.nan, "filled", r"curvature\[1\]: nan"),
+        (720.0, "ideal", "curvature of groove 1"),
+    ],
 )
-def test_impossible_curvatures_are_refused(make_film, curvature, profile):
-    with pytest.raises(InputError, match="curvature of groove 1"):
+def test_impossible_curvatures_are_refused(make_film, curvature, profile, words):
+    with pytest.raises(InputError, match=words):
         build_mesh(make_film([60.0, curvature], profile), 0.5 * deg)
 
 

@@ -99,6 +99,10 @@ def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
 
 def test_a_2d_map_is_refused_by_what_needs_one_section(tmp_path):
     job(tmp_path, FIELD, 'pattern = "dot"\nperiod_um = 50.0\nmin_aperture_um = 9.0')
-    refused(mpfcad("mould", "job.toml", cwd=tmp_path), "map.file: field.npz", "a mould is turned")
+    refused(
+        mpfcad("mould", "job.toml", cwd=tmp_path),
+        "job.toml: map.file: varies along",
+        "a mould is turned",
+    )
     job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
     refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: must be 'panel'")

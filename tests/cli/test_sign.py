@@ -37,7 +37,7 @@ def test_text_reads_in_any_encoding(encoding):
 
 def test_json_is_the_same_in_any_encoding(tmp_path):
     table = tmp_path / "µ-sheet.csv"
-    lines = [f"{x},{max(0.0, abs((x % 50) - 25) * 0.9):.3f}" for x in range(100)]
+    lines = [f"{x},{max(0.0, abs((x % 50) - 25) * 1.0):.3f}" for x in range(100)]
     table.write_text("x_um,z_um\n" + "\n".join(lines))
     found = [
         run("calibrate", table.name, "--json", encoding=encoding, cwd=tmp_path).stdout

@@ -73,6 +73,6 @@ class FieldGrooves(Kind):
 
     def mould_film(self, where: str) -> MadeFilm:
         raise InputError(
-            f"{where}: map.file: varies along the grooves too: a mould is turned, so the map must "
-            "vary across them only"
+            f"{where}: map.file: varies along the grooves too: a mould is turned: expected a map "
+            "that varies across them only"
         )

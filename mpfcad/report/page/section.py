@@ -45,7 +45,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
     traces = {name: found for name, found in names.items() if found and found["luminance"]}
     return {
         "traces": list(traces.items()),
-        "flow": plot(energy_figure(record["energy"]), "energy"),
+        "flow": plot(energy_figure(record["energy"]), "energy") if record["energy"] else None,
         "energy_head": ["share of the lamps' light", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()]),
     }

@@ -118,7 +118,7 @@ def comparison_page(folder: Path, places: list[str]) -> str | None:
     if len(places) != 2 or not all(place in runs for place in places):
         return None
     chosen = [runs[place] for place in places]
-    if not all("curve" in one.record for one in chosen):  # another version's
+    if not all(one.record.get("curve") for one in chosen):  # another version's, or not traced
         return None
     names = [one.name if chosen[0].name != chosen[1].name else one.place for one in chosen]
     films = [(name, one.record) for name, one in zip(names, chosen, strict=True)]
