@@ -8,7 +8,12 @@ from sphinx.application import Sphinx
 
 project = "mpfcad"
 author = "mpfcad"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+#: The reference is made of the docstrings, in the order of the source.
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 4
 html_theme = "furo"
