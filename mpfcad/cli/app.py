@@ -20,7 +20,7 @@ from mpfcad.cli import (
     measure,
     mould,
     run,
-    signature,
+    sign,
     stacks,
     sweep,
     trace,
@@ -76,9 +76,8 @@ def _global_options(
 
 _COMMANDS = (
     run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    judge, correct, stacks, cache, init, doctor, signature,
+    judge, correct, stacks, cache, init, doctor, sign,
 )  # fmt: skip
 
 for command in _COMMANDS:
-    name = getattr(command, "NAME", command.__name__.rpartition(".")[2])
-    app.command(name, cls=ExampleHelp)(command.command)
+    app.command(command.__name__.rpartition(".")[2], cls=ExampleHelp)(command.command)

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mpfcad.cli.character import print_json
 from mpfcad.cli.option import Json, Seed, Threads
-from mpfcad.cli.sign import print_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable

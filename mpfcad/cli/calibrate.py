@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mpfcad.cli.calibration import print_calibration, write_calibration
+from mpfcad.cli.character import print_json
 from mpfcad.cli.option import Json
-from mpfcad.cli.sign import print_json
 
 if TYPE_CHECKING:
     from mpfcad.film import Coupon, Groove, Interval, ReadingOption, StylusFit, StylusTrace

@@ -50,7 +50,7 @@ def command(
     json: Json = False,
 ) -> int:
     """Find the next map after a print was measured; write its job, and what changes in the mask."""
-    from mpfcad.cli.sign import print_json
+    from mpfcad.cli.character import print_json
     from mpfcad.cli.terminal import Terminal
     from mpfcad.pipeline.correct import correct_print
     from mpfcad.pipeline.judge import Judging

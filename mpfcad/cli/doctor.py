@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from mpfcad.cli.character import print_json
 from mpfcad.cli.option import Json
-from mpfcad.cli.sign import print_json
 
 
 def command(

@@ -61,7 +61,7 @@ def command(
     json: Json = False,
 ) -> int:
     """Judge a measured luminance by the same code and gates as a trace."""
-    from mpfcad.cli.sign import print_json
+    from mpfcad.cli.character import print_json
     from mpfcad.errors import InputError
     from mpfcad.gate import exit_code
     from mpfcad.pipeline.judge import Judging, gate_of, judge_luminance

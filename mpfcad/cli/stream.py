@@ -6,7 +6,7 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-from mpfcad.cli.sign import register_handler
+from mpfcad.cli.character import register_handler
 
 #: Longest line about an error, with its `mpfcad: `.
 LINE_LIMIT = 300

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpfcad import compiling
-from mpfcad.cli.sign import print_json
+from mpfcad.cli.character import print_json
 from mpfcad.cli.stream import one_line
 from mpfcad.store.notice import listeners
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from mpfcad.cli.character import print_json
 from mpfcad.cli.option import Json, Junit, Threads
-from mpfcad.cli.sign import print_json
 
 #: Exit code of an export of which a file is changed or a figure differs; its verdict is void.
 CHANGED = 4

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from mpfcad.cli.sign import PLAIN
+from mpfcad.cli.character import PLAIN
 
 CODE = "from mpfcad.cli import main; main()"
 
