@@ -6,7 +6,17 @@ from typing import Annotated
 import typer
 
 from mpfcad.cli.judge import photo_of, unit_of
-from mpfcad.cli.option import Json, Threads
+from mpfcad.cli.option import (
+    Crop,
+    Dark,
+    Flat,
+    ImageRotation,
+    Json,
+    PerCount,
+    PixelSide,
+    PositionUnit,
+    Threads,
+)
 
 
 def command(
@@ -25,23 +35,13 @@ def command(
         float | None,
         typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch there [default: the stack's]."),
     ] = None,
-    unit: Annotated[
-        str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
-    ] = None,
-    pixel_mm: Annotated[
-        float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
-    ] = None,
-    cd_m2_per_count: Annotated[
-        float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")
-    ] = 1.0,
-    dark: Annotated[Path | None, typer.Option("--dark", help="Image to take off.")] = None,
-    flat: Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")] = None,
-    crop: Annotated[
-        str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")
-    ] = None,
-    rotation_deg: Annotated[
-        float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
-    ] = 0.0,
+    unit: PositionUnit = None,
+    pixel_mm: PixelSide = None,
+    cd_m2_per_count: PerCount = 1.0,
+    dark: Dark = None,
+    flat: Flat = None,
+    crop: Crop = None,
+    rotation_deg: ImageRotation = 0.0,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder [default: exports/NAME-corrected]."),

@@ -5,7 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpfcad.cli.option import Json, Seed
+from mpfcad.cli.option import (
+    Crop,
+    Dark,
+    Flat,
+    ImageRotation,
+    Json,
+    PerCount,
+    PixelSide,
+    PositionUnit,
+    Seed,
+)
 
 if TYPE_CHECKING:
     from mpfcad.measure.observed import Photo
@@ -28,23 +38,13 @@ def command(
     cell_mm: Annotated[
         str | None, typer.Option("--cell-mm", metavar="X,Y", help="Its size [default: found].")
     ] = None,
-    unit: Annotated[
-        str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
-    ] = None,
-    pixel_mm: Annotated[
-        float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
-    ] = None,
-    cd_m2_per_count: Annotated[
-        float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")
-    ] = 1.0,
-    dark: Annotated[Path | None, typer.Option("--dark", help="Image to take off.")] = None,
-    flat: Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")] = None,
-    crop: Annotated[
-        str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")
-    ] = None,
-    rotation_deg: Annotated[
-        float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
-    ] = 0.0,
+    unit: PositionUnit = None,
+    pixel_mm: PixelSide = None,
+    cd_m2_per_count: PerCount = 1.0,
+    dark: Dark = None,
+    flat: Flat = None,
+    crop: Crop = None,
+    rotation_deg: ImageRotation = 0.0,
     limit: Annotated[
         float | None, typer.Option("--limit", help="Of the contrast [default: export's, or 0.012].")
     ] = None,

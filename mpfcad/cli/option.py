@@ -41,6 +41,21 @@ Threads = Annotated[
     ),
 ]
 
+#: How the file of a measured luminance, a curve or an image, is to be read.
+PositionUnit = Annotated[
+    str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
+]
+PixelSide = Annotated[
+    float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
+]
+PerCount = Annotated[float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")]
+Dark = Annotated[Path | None, typer.Option("--dark", help="Image to take off.")]
+Flat = Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")]
+Crop = Annotated[str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")]
+ImageRotation = Annotated[
+    float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
+]
+
 
 def formats(text: str, known: tuple[str, ...], option: str = "--format") -> tuple[str, ...]:
     """Return the words of `known` named in `text`, separated by commas.
