@@ -5,29 +5,19 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli import (
+from mpfcad.cli.check import cache, doctor, sign, verify, view
+from mpfcad.cli.group import ExampleHelp, GroupedHelp
+from mpfcad.cli.make import cad, design, init, mask, mould, run, sweep
+from mpfcad.cli.measure import (
     bsdf,
-    cache,
-    cad,
     calibrate,
     compare,
     correct,
-    design,
-    doctor,
-    init,
     judge,
-    mask,
     measure,
-    mould,
-    run,
-    sign,
     stacks,
-    sweep,
     trace,
-    verify,
-    view,
 )
-from mpfcad.cli.group import ExampleHelp, GroupedHelp
 
 _DEBUG = "MPFCAD_DEBUG"
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpfcad.cli.calibration import print_calibration, write_calibration
 from mpfcad.cli.character import print_json
+from mpfcad.cli.measure.calibration import print_calibration, write_calibration
 from mpfcad.cli.option import Json
 
 if TYPE_CHECKING:

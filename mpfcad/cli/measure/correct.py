@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.judge import photo_of, unit_of
+from mpfcad.cli.measure.judge import photo_of, unit_of
 from mpfcad.cli.option import (
     Crop,
     Dark,

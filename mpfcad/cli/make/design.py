@@ -21,7 +21,7 @@ def command(
     ] = True,
 ) -> int:
     """Find the curvature map for a backlight; write its job and verify it."""
-    from mpfcad.cli import run
+    from mpfcad.cli.make import run
     from mpfcad.cli.terminal import Terminal
     from mpfcad.job.design import read_design
     from mpfcad.job.led_design import is_led_design

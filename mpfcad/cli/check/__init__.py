@@ -1,0 +1,1 @@
+"""Subcommands that check an export or the machine, show them and keep them."""

@@ -1,0 +1,1 @@
+"""Subcommands that start a job, make its files or find its map."""

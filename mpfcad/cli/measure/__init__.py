@@ -1,0 +1,1 @@
+"""Subcommands that trace and measure light, and those that read what was printed."""
