@@ -25,7 +25,7 @@ from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, plan_mask, write_cad, writ
 from mpfcad.pipeline.run.mask_order import phototool
 from mpfcad.record import ORDER, Checks, build_gates
 from mpfcad.record.printing import PREFIX, PrintLimits, mask_gates
-from mpfcad.report.page.wording import GATES
+from mpfcad.report.film.wording import GATES
 from mpfcad.units import deg, um
 
 STACK = (

@@ -24,8 +24,8 @@ def closest_rows(folder, quick, present):
 
 def _rows(name, path):
     """Yield the rates of both for rays from all over the underside, and how many hits agree."""
-    from mpfcad.optics.search.bvh_build import build_bvh
-    from mpfcad.optics.search.bvh_walk import closest_facets
+    from mpfcad.optics.search.bvh.build import build_bvh
+    from mpfcad.optics.search.bvh.walk import closest_facets
     from mpfcad.optics.solid.mesh import read_film_mesh
 
     mesh = read_film_mesh(path)

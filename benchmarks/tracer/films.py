@@ -98,7 +98,7 @@ def pyramid_rows(folder, quick, present):
     Those are endless, as ours is: else guided light leaves at the sides. Mirrors at the sides of
     the whole field would not do: far out Mitsuba's ray offsets are 1.6 µm.
     """
-    from mpfcad.optics.search.grid_build import build_grid
+    from mpfcad.optics.search.grid.build import build_grid
     from mpfcad.optics.solid.mesh import read_film_mesh
 
     cells = 400 if quick else CELLS

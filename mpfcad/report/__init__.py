@@ -4,11 +4,11 @@
 """
 
 from mpfcad.report.drawing.picture import PICTURES, write_pictures
+from mpfcad.report.film.evidence import Evidence
+from mpfcad.report.film.page import build_page, write_report
 from mpfcad.report.page.compare_page import write_compare_page
 from mpfcad.report.page.design_page import write_design_page
-from mpfcad.report.page.evidence import Evidence
 from mpfcad.report.page.measure_page import write_measure_page
-from mpfcad.report.page.page import build_page, write_report
 from mpfcad.report.page.sweep_page import write_sweep_page
 from mpfcad.report.page.thickness_section import limit_words, range_words
 

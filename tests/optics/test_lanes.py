@@ -22,10 +22,10 @@ from mpfcad.optics.base.sampling import RNG_SIZE, start_path
 from mpfcad.optics.element import Film
 from mpfcad.optics.film.chain_lanes import PLACE_SIZE, film_passages
 from mpfcad.optics.scene import build_scene
-from mpfcad.optics.search.bvh_build import build_bvh
-from mpfcad.optics.search.bvh_walk import closest_facets
-from mpfcad.optics.search.grid_build import build_grid
-from mpfcad.optics.search.grid_walk import Walk, walk_on
+from mpfcad.optics.search.bvh.build import build_bvh
+from mpfcad.optics.search.bvh.walk import closest_facets
+from mpfcad.optics.search.grid.build import build_grid
+from mpfcad.optics.search.grid.walk import Walk, walk_on
 from mpfcad.optics.search.seam import with_seam
 from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table

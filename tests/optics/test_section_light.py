@@ -30,7 +30,7 @@ from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.engine import trace
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
-from mpfcad.optics.search.section_grid import build_section
+from mpfcad.optics.search.grid.section import build_section
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 

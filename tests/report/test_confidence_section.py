@@ -1,6 +1,6 @@
 """The report's section on confidence: every figure of the record, or that it was not asked for."""
 
-from mpfcad.report.page.confidence_section import confidence_values
+from mpfcad.report.film.confidence_section import confidence_values
 from mpfcad.report.page.environment import render
 
 FOUND = {

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from mpfcad.report.page.decision import decision_values
+from mpfcad.report.film.decision import decision_values
 from mpfcad.report.page.environment import render
 
 

@@ -37,7 +37,7 @@ def hashes(package, monkeypatch):
         ("backlight/preset/thesis-32in.toml", False),
         ("measure/contrast/fit.py", False),
         ("pipeline/point/trace.py", False),
-        ("report/page/page.py", False),
+        ("report/film/page.py", False),
     ],
 )
 def test_an_edit_of_any_file_moves_the_hash(package, hashes, file, of_kernels):

@@ -2,7 +2,7 @@
 
 The accelerator is chosen from the mesh alone: where it is drawn along y, `chain` for one height
 over a flat underside and `section` for any other cross-section; else `grid` where its facets are
-small and even against the base (`grid_build`), else `bvh`.
+small and even against the base (`grid.build`), else `bvh`.
 """
 
 from typing import Any, NamedTuple
@@ -11,13 +11,13 @@ import numpy as np
 
 from mpfcad.errors import TraceError
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.search.bvh import Bvh, bvh_hit
-from mpfcad.optics.search.bvh_build import build_bvh
+from mpfcad.optics.search.bvh.build import build_bvh
+from mpfcad.optics.search.bvh.tree import Bvh, bvh_hit
 from mpfcad.optics.search.chain import Chain, build_chain, chain_of
 from mpfcad.optics.search.chain_walk import chain_hit
-from mpfcad.optics.search.grid import Grid, grid_hit
-from mpfcad.optics.search.grid_build import build_grid
-from mpfcad.optics.search.section_grid import Section, build_section, section_hit, section_of
+from mpfcad.optics.search.grid.build import build_grid
+from mpfcad.optics.search.grid.cells import Grid, grid_hit
+from mpfcad.optics.search.grid.section import Section, build_section, section_hit, section_of
 from mpfcad.optics.solid.mesh import FilmMesh
 
 CHAIN, BVH, SECTION, GRID = range(4)

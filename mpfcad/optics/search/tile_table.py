@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes_array import aligned
-from mpfcad.optics.search.bvh import Bvh
+from mpfcad.optics.search.bvh.tree import Bvh
 from mpfcad.optics.search.chain import Chain
-from mpfcad.optics.search.grid import Grid
-from mpfcad.optics.search.section_grid import Section
+from mpfcad.optics.search.grid.cells import Grid
+from mpfcad.optics.search.grid.section import Section
 from mpfcad.optics.search.tile import NO_TILE, Tile
 
 

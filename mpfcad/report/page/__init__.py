@@ -1,1 +1,1 @@
-"""Pages of HTML: verdict, measures, designs, sweeps, comparisons."""
+"""Pages of HTML: measures, designs, sweeps, comparisons; how a page is rendered."""

@@ -9,7 +9,7 @@ from mpfcad.export import MANIFEST
 from mpfcad.report.drawing.angle_figure import pitch_figure
 from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
 from mpfcad.report.drawing.plot import plot
-from mpfcad.report.page.decision import scale_values, strip_values
+from mpfcad.report.film.decision import scale_values, strip_values
 from mpfcad.report.page.environment import render
 
 #: The page of each kind of export, and its record.

@@ -5,7 +5,7 @@ from typing import Any
 from mpfcad.report.drawing.energy_figure import energy_figure
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
-from mpfcad.report.page.evidence import Evidence
+from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number
 
 Record = dict[str, Any]

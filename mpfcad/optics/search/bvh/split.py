@@ -1,4 +1,4 @@
-"""The binary tree of boxes that `bvh_build` makes eight wide.
+"""The binary tree of boxes that `build` makes eight wide.
 
 Split where the surface-area heuristic in 16 bins is least (Wald, "On fast construction of SAH-based
 bounding volume hierarchies", 2007), laid out depth first: a node's first child follows it.

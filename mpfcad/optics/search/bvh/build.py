@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.lanes_array import aligned
-from mpfcad.optics.search.bvh import Bvh
-from mpfcad.optics.search.bvh_split import LEAF, binary_tree
+from mpfcad.optics.search.bvh.split import LEAF, binary_tree
+from mpfcad.optics.search.bvh.tree import Bvh
 from mpfcad.optics.search.seam import facet_normals, with_seam
 from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.store.kernel import kept

@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Any
 
-from mpfcad.report.page.cad_section import cad_values
-from mpfcad.report.page.confidence_section import confidence_values
-from mpfcad.report.page.decision import decision_values
+from mpfcad.report.film.cad_section import cad_values
+from mpfcad.report.film.confidence_section import confidence_values
+from mpfcad.report.film.decision import decision_values
+from mpfcad.report.film.evidence import Evidence
+from mpfcad.report.film.mask_section import mask_values
+from mpfcad.report.film.section import chain_values, input_values, luminance_values
+from mpfcad.report.film.wording import gate_values
 from mpfcad.report.page.environment import render
-from mpfcad.report.page.evidence import Evidence
-from mpfcad.report.page.mask_section import mask_values
-from mpfcad.report.page.section import chain_values, input_values, luminance_values
-from mpfcad.report.page.wording import gate_values
 
 #: Title and template of each section, in the page's order.
 SECTIONS = (

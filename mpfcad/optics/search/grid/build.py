@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.optics.search.grid import Grid
-from mpfcad.optics.search.grid_walk import MARGIN
+from mpfcad.optics.search.grid.cells import Grid
+from mpfcad.optics.search.grid.walk import MARGIN
 from mpfcad.optics.search.seam import facet_normals, with_seam
 from mpfcad.optics.solid.mesh import FilmMesh
 

@@ -4,7 +4,7 @@ from base64 import b64encode
 from typing import Any
 
 from mpfcad.report.drawing.mask_drawing import draw_mask
-from mpfcad.report.page.evidence import Evidence
+from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number
 
 #: What is read back from each file: words, key of the record, digits.

@@ -7,7 +7,7 @@ from markupsafe import Markup, escape
 from mpfcad.report.drawing.dimension_drawing import draw_dimensions
 from mpfcad.report.drawing.groove_drawing import draw_grooves
 from mpfcad.report.drawing.plot import plot
-from mpfcad.report.page.evidence import Evidence
+from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number
 
 Record = dict[str, Any]

@@ -14,7 +14,7 @@ from mpfcad.report.drawing.strip import (
     seen_strip,
     strip_position,
 )
-from mpfcad.report.page.wording import label_of, verdict_sentence
+from mpfcad.report.film.wording import label_of, verdict_sentence
 
 Record = dict[str, Any]
 #: The scale of contrasts holds so much of the wider limit, this film's interval with some room, and

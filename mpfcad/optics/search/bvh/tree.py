@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.search.bvh_walk import closest_facet
+from mpfcad.optics.search.bvh.walk import closest_facet
 from mpfcad.optics.search.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone, ways_out
 
 

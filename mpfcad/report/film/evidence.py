@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.film import PrismFilm
-from mpfcad.report.page.film_kind import Drawn, FilmKind, kind_of
+from mpfcad.report.film.film_kind import Drawn, FilmKind, kind_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes_array import gather_row
-from mpfcad.optics.search.grid_walk import start_walk, walk_on
+from mpfcad.optics.search.grid.walk import start_walk, walk_on
 from mpfcad.optics.search.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone
 
 

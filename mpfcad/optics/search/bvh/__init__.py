@@ -1,0 +1,1 @@
+"""Triangles in a tree of boxes, eight wide: built, split, walked."""

@@ -1,0 +1,1 @@
+"""The report of one film: its first screen and its sections."""
