@@ -26,6 +26,7 @@ from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
 from mpfcad.film.made import MadeFilm
 from mpfcad.film.measured import average_groove
+from mpfcad.film.panel import PanelFilm
 from mpfcad.film.process.file import read_process
 from mpfcad.film.process.levelling import levelling_length
 from mpfcad.film.process.model import Process, check_aperture_ratio, check_printable, groove_ranges
@@ -64,6 +65,7 @@ __all__ = [
     "Imperfection",
     "Interval",
     "MadeFilm",
+    "PanelFilm",
     "PieceLibrary",
     "PrismFilm",
     "Process",

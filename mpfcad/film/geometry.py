@@ -1,10 +1,12 @@
 """The whole film: a row of grooves, one curvature each, on a flat base."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mpfcad.film.field.field import CurvatureField, FieldFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.sound import refuse_unknown, refuse_unsound
 
@@ -38,6 +40,7 @@ class PrismFilm:
     profile: Profile
     curvature: NDArray[np.float64]
     origin: float = 0.0
+    varies_along: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         curvature = np.array(self.curvature, dtype=np.float64)
@@ -78,6 +81,23 @@ class PrismFilm:
     def groove_position(self) -> NDArray[np.float64]:
         """Groove centres x, (n,) float64 [mm]."""
         return np.arange(0.5, self.groove_count) * self.groove.pitch
+
+    @property
+    def content(self) -> tuple[NDArray[np.float64], ...]:
+        """The curvature of each groove, (n,) float64 [1/mm]."""
+        return (self.curvature,)
+
+    def extremes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return smallest and largest curvature of each groove, (n,) float64 [1/mm]: the same."""
+        return self.curvature, self.curvature
+
+    def as_field(self) -> FieldFilm:
+        """Return the film as one whose curvature is a field."""
+        x, c = self.groove_position, self.curvature
+        if len(x) == 1:
+            x, c = np.append(x, x + self.groove.pitch), np.append(c, c)
+        field = CurvatureField(x, np.array([0.0, self.length]), np.stack([c, c]))
+        return FieldFilm(self.groove, self.length, self.groove_count, field, self.profile)
 
     @property
     def fill_fraction(self) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film import PrismFilm, Process, groove_ranges
+from mpfcad.film import PanelFilm, Process, groove_ranges
 from mpfcad.mask.fabric import Mesh, coarsest_mesh, shipped_catalogue
 from mpfcad.units import deg, nm, um
 
@@ -123,7 +123,7 @@ def check_rules(
     where: str,
     ratio: NDArray[np.float64],
     along: NDArray[np.int64],
-    film: PrismFilm,
+    film: PanelFilm,
     process: Process,
     rules: MaskRules,
     period: float,
@@ -148,12 +148,13 @@ def check_rules(
         (along > 0) & ((size < rules.aperture_limit - GRID) | (size > largest + GRID))
     )
     if bad.size:
+        curvature = film.extremes()[0][bad]
         top = process.curvature(low)
         bottom = process.curvature(min(high, process.aperture_ratio_max))
         raise InputError(
             f"{where}: {groove_ranges(bad)}: aperture_ratio {ratio[bad].min():.4g} … "
-            f"{ratio[bad].max():.4g} (curvature_per_mm {film.curvature[bad].min():.4g} … "
-            f"{film.curvature[bad].max():.4g}): expected 0 or {low:.4g} … {high:.4g} ({asked}), "
+            f"{ratio[bad].max():.4g} (curvature_per_mm {curvature.min():.4g} … "
+            f"{curvature.max():.4g}): expected 0 or {low:.4g} … {high:.4g} ({asked}), "
             f"that is curvature_per_mm {bottom:.4g} … {top:.4g} or {empty:g} (no resin)"
             f"{suggest_mesh(rules, size[along > 0].astype(np.float64), period)}"
         )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.optics.base.mirror import Mirrored
 from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.finite import Panel
@@ -17,10 +18,12 @@ from mpfcad.sound import refuse_unsound
 CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM = range(6)
 #: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
 TABLE = 0
+#: Tiles of a film's mesh that a cell must hold for the film to be called even.
+EVEN = 8
 
 
 @dataclass(frozen=True)
-class Cavity:
+class Cavity(Mirrored):
     """Lamps in a row over a reflector, below everything else; lengths in mm.
 
     Attributes
@@ -64,7 +67,7 @@ class Cavity:
 
 
 @dataclass(frozen=True, eq=False)
-class Slab:
+class Slab(Mirrored):
     """A plane-parallel plate, clear or with volume scattering.
 
     Attributes
@@ -104,7 +107,7 @@ class Slab:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class Sheet(Mirrored):
     """A thin scatterer: moves the direction cosines (kx, ky) by a Gaussian.
 
     Attributes
@@ -129,7 +132,7 @@ class Sheet:
 
 
 @dataclass(frozen=True, eq=False)
-class Film:
+class Film(Mirrored):
     """A film tile read from a mesh.
 
     Attributes
@@ -172,9 +175,13 @@ class Film:
         refuse_unsound(f"{self.name}.offset", self.offset)
         refuse_unsound(f"{self.name}.rotation", self.rotation)
 
+    def is_mirrored(self, period: float) -> bool:
+        """Tell whether the tile repeats so often in a cell that its side does not count."""
+        return max(self.mesh.size[:2]) * EVEN <= period
+
 
 @dataclass(frozen=True, eq=False)
-class LibraryFilm:
+class LibraryFilm(Mirrored):
     """A film as a library of groove pieces and their places.
 
     Attributes
@@ -196,9 +203,15 @@ class LibraryFilm:
     name: str = "film"
     rotation: float = 0.0
 
+    def is_mirrored(self, period: float) -> bool:
+        """Tell whether the pieces are placed alike to both sides of x = 0 and of y = 0."""
+        chosen = self.library.chosen
+        both = np.array_equal(chosen, chosen[::-1]) and np.array_equal(chosen, chosen[:, ::-1])
+        return both and self.offset == 0.0
+
 
 @dataclass(frozen=True, eq=False)
-class BsdfSheet:
+class BsdfSheet(Mirrored):
     """A thin element that scatters by a table.
 
     Attributes

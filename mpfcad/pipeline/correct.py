@@ -89,7 +89,7 @@ def _plan(export: Path) -> Plan:
     job = plan.job
     wrong = (
         "film.profile: no print makes it" if plan.process is None
-        else "map: varies along the grooves" if plan.field_film is not None
+        else "map: varies along the grooves" if plan.printed.varies_along
         else f"map.extent: {job.map.extent}" if job.map.extent != "pitch"
         else "stack.file: the job has a stack of its own" if job.stack.file is not None
         else None

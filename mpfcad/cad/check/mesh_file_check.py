@@ -70,8 +70,8 @@ def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> Bo
         points = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], np.float64)
         faces = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()])
         count[name] = len(faces)
-        volume[name] = _volume(points, faces)
-        _check_volume(path, name, volume[name], expected[name], whole)
+        volume[name] = body_volume(points, faces)
+        check_volume(path, name, volume[name], expected[name], whole)
     return BodyCheck(volume, count)
 
 
@@ -140,7 +140,7 @@ def read_closed_ply(
     merged = trimesh.Trimesh(points[first], index.ravel()[read.faces], process=False)
     if not (merged.is_watertight and merged.is_winding_consistent):
         raise ExportError(f"{path.name}: not one closed surface")
-    _check_volume(path, "film", merged.volume, expected, whole)
+    check_volume(path, "film", merged.volume, expected, whole)
     length = float(np.abs(np.linalg.norm(normals, axis=1) - 1).max())
     refuse_above(path, "length of a normal", length, 1e-12)
     return float(merged.volume), points, normals, len(read.faces)
@@ -149,7 +149,7 @@ def read_closed_ply(
 def _check_corners(path: Path, film: PrismFilm, points: NDArray, normals: NDArray) -> None:
     """Refuse corners off the surface, and normals that are not the surface's."""
     off = float(np.abs(points[:, 2] - film.height(points[:, 0])).max())
-    limit = HEIGHT_TOLERANCE + _merged_height(film)
+    limit = HEIGHT_TOLERANCE + merged_height(film)
     refuse_above(path, "height error [mm]", off, limit)
     # Either neighbour's slope, for a corner on a kink.
     best = np.full(len(points), np.inf)
@@ -165,19 +165,27 @@ def _check_corners(path: Path, film: PrismFilm, points: NDArray, normals: NDArra
     refuse_above(path, "slope of a normal", float(best.max()), NORMAL_TOLERANCE)
 
 
-def _merged_height(film: PrismFilm) -> float:
+def merged_height(film: PrismFilm) -> float:
     """Return how far [mm] merging parts narrower than a sliver moves the surface."""
     contact = film.groove.contact_position(film.curvature)
     merged = (contact != mesh_contact(film)) & (film.profile == "filled")
     return mesh_sliver(film) * film.groove.wall_slope if merged.any() else 0.0
 
 
-def _volume(points: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
+def body_volume(points: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
+    """Return the volume [mm³] that facets (t, 3) of corners (v, 3) [mm] bound."""
     a, b, c = np.moveaxis((points - points.mean(axis=0))[faces], 1, 0)
     return float(np.sum(a * np.cross(b, c)) / 6)
 
 
-def _check_volume(path: Path, name: str, found: float, wanted: float, whole: float) -> None:
+def check_volume(path: Path, name: str, found: float, wanted: float, whole: float) -> None:
+    """Refuse a body whose volume [mm³] is off by more than `VOLUME_TOLERANCE` of `whole`.
+
+    Raises
+    ------
+    ExportError
+        naming the body and both volumes.
+    """
     error = abs(found - wanted) / whole
     if not error <= VOLUME_TOLERANCE:
         raise ExportError(f"{path.name}: {name}: volume {found:.6g} mm³: must be {wanted:.6g} mm³")

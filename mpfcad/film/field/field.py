@@ -6,6 +6,7 @@ together: a 32-inch panel has over a hundred million cells.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -92,6 +93,7 @@ class FieldFilm:
     groove_count: int
     field: CurvatureField
     profile: Profile = "filled"
+    varies_along: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         refuse_unknown("film.profile", self.profile, PROFILES)
@@ -112,6 +114,19 @@ class FieldFilm:
     def groove_position(self) -> NDArray[np.float64]:
         """Groove centres x, (n,) float64 [mm]."""
         return np.arange(0.5, self.groove_count) * self.groove.pitch
+
+    @property
+    def content(self) -> tuple[NDArray[np.float64], ...]:
+        """The field's nodes across and along [mm], and its curvatures, (my, mx) [1/mm]."""
+        return self.field.across, self.field.along, self.field.curvature
+
+    def extremes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return smallest and largest curvature of each groove, (n,) float64 [1/mm]."""
+        return self.field.extremes(self.groove_position)
+
+    def as_field(self) -> "FieldFilm":
+        """Return the film itself."""
+        return self
 
     def curvature_at(self, across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
         """Return the curvature [1/mm] at points [mm]."""

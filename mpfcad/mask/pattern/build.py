@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film import FieldFilm, PrismFilm, Process, check_printable, groove_ranges
+from mpfcad.film import PanelFilm, Process, check_printable, groove_ranges
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.pattern.grooves import build_groove_mask
 from mpfcad.mask.rule import GRID, MaskRules, dot_side, ratio_range, suggest_mesh
@@ -17,7 +17,7 @@ LARGEST_SIDE = 2_100_000_000
 LEVEL_SHARE = 0.25
 
 
-def build_mask(film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, name: str) -> Mask:
+def build_mask(film: PanelFilm, process: Process, rules: MaskRules, name: str) -> Mask:
     """Return the mask that prints a film.
 
     Parameters
@@ -41,14 +41,14 @@ def build_mask(film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, 
         raise InputError(f"{where}: profile '{film.profile}': expected 'filled', resin only adds")
     if not (name.isascii() and name.isprintable()):
         raise InputError(f"{name!r}: mask: name: expected printable ASCII")
-    low, high = _extremes(film)
+    low, high = film.extremes()
     check_printable(process, low, where)
     check_printable(process, high, where)
     if max(film.length, film.width) / GRID > LARGEST_SIDE:
         side = max(film.length, film.width)
         raise InputError(f"{where}: panel side {side:g} mm: expected up to {LARGEST_SIDE * GRID:g}")
     content_hash = _hash(film)
-    if isinstance(film, PrismFilm) and not rules.is_stochastic:
+    if not film.varies_along and not rules.is_stochastic:
         return build_groove_mask(film, process, rules, name, content_hash)
     if rules.pattern in ("staggered", "angled"):
         raise InputError(
@@ -60,27 +60,15 @@ def build_mask(film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, 
     return _build_tiled(film, process, rules, name, content_hash)
 
 
-def _hash(film: PrismFilm | FieldFilm) -> str:
+def _hash(film: PanelFilm) -> str:
     """Return the first 12 digits of SHA-256 over the curvatures, and a field's positions."""
-    if isinstance(film, PrismFilm):
-        values = [film.curvature]
-    else:
-        values = [film.field.across, film.field.along, film.field.curvature]
-    text = b"".join(value.astype("<f8").tobytes() for value in values)
+    text = b"".join(value.astype("<f8").tobytes() for value in film.content)
     return hashlib.sha256(text).hexdigest()[:12]
-
-
-def _extremes(film: PrismFilm | FieldFilm) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return smallest and largest curvature of each groove, (n,) [1/mm]."""
-    if isinstance(film, PrismFilm):
-        return film.curvature, film.curvature
-    low, high = film.field.extremes(film.groove_position)
-    return low, high
 
 
 def _check_ratio(
     where: str,
-    film: PrismFilm | FieldFilm,
+    film: PanelFilm,
     process: Process,
     rules: MaskRules,
     period: float,
@@ -95,7 +83,7 @@ def _check_ratio(
     """
     pitch = film.groove.pitch
     highest = ratio_range(rules, pitch, period)[1]
-    ends = [process.aperture_ratio_of_curvature(values) for values in _extremes(film)]
+    ends = [process.aperture_ratio_of_curvature(values) for values in film.extremes()]
     ratio = np.stack(ends)
     bad = (ratio > 1e-9) & ((ratio < lowest * (1 - 1e-6)) | (ratio > highest * (1 + 1e-6)))
     index = np.flatnonzero(bad.any(axis=0))
@@ -112,7 +100,7 @@ def _check_ratio(
 
 
 def _build_dithered(
-    film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
 ) -> Mask:
     from mpfcad.mask.pattern.dither import DitherMask, dither
     from mpfcad.mask.pattern.ratio import CellRatio
@@ -142,7 +130,7 @@ def _build_dithered(
 
 
 def _build_tiled(
-    film: PrismFilm | FieldFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
 ) -> Mask:
     from mpfcad.mask.pattern.ratio import CellRatio
     from mpfcad.mask.pattern.tiles import LevelMask, quantise
@@ -165,13 +153,13 @@ def _build_tiled(
     phase = np.arange(n) % tile_cells if noise else width - width.min()
     widths = (int(width.min()),) * tile_cells if noise else (int(width.min()), int(width.max()))
     ratio = CellRatio.build(film, process, cells)
-    if isinstance(film, PrismFilm):
-        wanted = process.aperture_ratio_of_curvature(film.curvature)
-        level: NDArray[np.integer]
+    level: NDArray[np.integer]
+    if film.varies_along:
+        level, level_ratio = quantise(ratio, tile_cells)
+    else:
+        wanted = process.aperture_ratio_of_curvature(film.extremes()[0])
         level_ratio, of_groove = np.unique(np.append(0.0, wanted), return_inverse=True)
         level = np.asarray(of_groove[1:, None], np.int64)
-    else:
-        level, level_ratio = quantise(ratio, tile_cells)
     steps = round(film.length / GRID) // cells
     shape = TileShape(
         cells=tile_cells,

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film import PrismFilm, Process
+from mpfcad.film import PanelFilm, Process
 from mpfcad.mask.aperture import Mask, ends_of
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.rule import GRID, MaskRules, check_rules
@@ -112,7 +112,7 @@ class GrooveMask(Mask):
 
 
 def build_groove_mask(
-    film: PrismFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
 ) -> GrooveMask:
     """Return the mask of a film with one curvature a groove, as one lattice a groove.
 
@@ -126,7 +126,7 @@ def build_groove_mask(
     length = round(film.length / GRID)
     period_count = max(1, round(film.length / rules.period))
     period = length // period_count
-    wanted = process.aperture_ratio_of_curvature(film.curvature)
+    wanted = process.aperture_ratio_of_curvature(film.extremes()[0])
     shift = _shift(rules, film.groove_count, film.groove.pitch / GRID, period)
     # A lattice that is moved by less than a period has room for one aperture less.
     count = period_count - (shift > 0)
@@ -169,7 +169,7 @@ def _shift(rules: MaskRules, groove_count: int, pitch: float, period: int) -> ND
 def _aperture_size(
     ratio: NDArray[np.float64],
     edge: NDArray[np.int64],
-    film: PrismFilm,
+    film: PanelFilm,
     rules: MaskRules,
     period: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -10,7 +10,7 @@ import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film import CurvatureField, FieldFilm, PrismFilm, Process
+from mpfcad.film import FieldFilm, PanelFilm, Process
 from mpfcad.film.field.field import bracket
 from mpfcad.mask.aperture import blocks
 from mpfcad.store.kernel import kept
@@ -41,12 +41,12 @@ class CellRatio:
     table_end: float
 
     @classmethod
-    def build(cls, film: PrismFilm | FieldFilm, process: Process, cell_count: int) -> "CellRatio":
+    def build(cls, film: PanelFilm, process: Process, cell_count: int) -> "CellRatio":
         """Return the ratios of `cell_count` cells along each groove of a film."""
         end = process.groove.curvature_empty
         curvature = np.linspace(0, end, TABLE_STEPS + 1)
         table = process.aperture_ratio_of_curvature(np.maximum(curvature, process.curvature_min))
-        return cls(as_field(film), cell_count, table, end)
+        return cls(film.as_field(), cell_count, table, end)
 
     def rows(self, first: int, count: int) -> NDArray[np.float64]:
         """Return the ratio of the cells of `count` grooves from groove `first` on, (count, m)."""
@@ -78,17 +78,6 @@ class CellRatio:
                 for first, count in blocks(self.film.groove_count)
             ]
         )
-
-
-def as_field(film: PrismFilm | FieldFilm) -> FieldFilm:
-    """Return a film of one curvature a groove as one whose curvature is a field."""
-    if isinstance(film, FieldFilm):
-        return film
-    x, c = film.groove_position, film.curvature
-    if len(x) == 1:
-        x, c = np.append(x, x + film.groove.pitch), np.append(c, c)
-    field = CurvatureField(x, np.array([0.0, film.length]), np.stack([c, c]))
-    return FieldFilm(film.groove, film.length, film.groove_count, field, film.profile)
 
 
 @kept

@@ -21,8 +21,6 @@ BINS = 24
 FIGURE = "contrast ± {:.4f} (95 %)"
 _LEAST_BLOCKS = 64
 _LOST_LIMIT = 1e-6
-#: Periods of a film's mesh that a cell must hold for the film to be called even.
-_EVEN = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,21 +157,10 @@ def _map(tally: "CellTally", scale: float) -> tuple[NDArray[np.float64], NDArray
 
 
 def _is_mirrored(lit: Lit) -> bool:
-    """Return whether LEDs and films are their own mirror images at x = 0 and y = 0.
-
-    A film whose mesh repeats many times in the cell counts as even.
-    """
-    from mpfcad.optics.element import Film, LibraryFilm
-
+    """Return whether LEDs and all above them are their own mirror images at x = 0 and y = 0."""
     period = min(lit.stack.period)
-    for element in lit.elements:
-        if isinstance(element, LibraryFilm):
-            chosen = element.library.chosen
-            both = np.array_equal(chosen, chosen[::-1]) and np.array_equal(chosen, chosen[:, ::-1])
-            if not both or element.offset != 0.0:
-                return False
-        if isinstance(element, Film) and max(element.mesh.size[:2]) * _EVEN > period:
-            return False
+    if not all(element.is_mirrored(period) for element in lit.elements):
+        return False
     return bool(getattr(lit.stack.source, "is_mirrored", False))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.mirror import Mirrored
 from mpfcad.optics.base.sampling import uniform
 from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.emission import Emission, emitted_direction
@@ -27,7 +28,7 @@ _MOST_PIECES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
-class Board:
+class Board(Mirrored):
     """LEDs over a reflector, below everything else; lengths in mm.
 
     Attributes

@@ -4,19 +4,23 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight import Stack
 from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
 from mpfcad.cad.file.height import HeightGrid, build_height_grid
 from mpfcad.cad.step.file import Header
 from mpfcad.errors import InputError
-from mpfcad.film import MadeFilm, Process
+from mpfcad.film import MadeFilm, PanelFilm, PrismFilm, Process
 from mpfcad.job import CadTable
 from mpfcad.record import ResinCheck
 from mpfcad.units import um
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 Check = StepCheck | MeshCheck | BodyCheck
 #: Points over a groove or a cell, and the points' distance along grooves, unless the job says.
@@ -54,10 +58,16 @@ class Kind(ABC):
     ----------
     formats
         suffixes of the CAD files that it is written in
+    section_title, shows_grooves, no_mask, view_words
+        what a page says of it, as `report.film.kind.FilmKind` has it
     """
 
     formats: tuple[str, ...] = ("step", "stl")
     film: Any
+    section_title = "The first groove of the piece"
+    shows_grooves = True
+    no_mask = "an ideal film cannot be printed"
+    view_words = ""
 
     def __init__(self, film: Any, table: CadTable) -> None:
         self.film, self.table, self.angle = film, table, table.angle_tolerance
@@ -121,6 +131,42 @@ class Kind(ABC):
             for name, ratio in given.ratio.items()
         }
         return ResinCheck(by_mask, mesh_volume - self.film.bare_volume, full)
+
+    def refuse_trace(self, printed: PanelFilm, stack: Stack, where: str) -> None:
+        """Refuse to trace a piece that is not what lies beside it on the panel, `printed`.
+
+        Raises
+        ------
+        InputError
+            that begins with `where`; a film of grooves is traced as it is.
+        """
+        return None  # the same all along; across, a piece is as wide as what repeats
+
+    @property
+    @abstractmethod
+    def extent(self) -> str:
+        """Size and number of what the CAD files hold, in words."""
+
+    @abstractmethod
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        """Return the film as grooves, `piece` as designed; of cells, one through their tips."""
+
+    @abstractmethod
+    def view(self, mesh: Path) -> "go.Figure":
+        """Return the drawing of the mesh file in three dimensions."""
+
+    @abstractmethod
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        """Return what a page's section on the film shows, `template` among it.
+
+        Position [mm] from the lamp's axis, aperture ratio and C [1/mm] from the mask by groove.
+        """
 
     def mould_film(self, where: str) -> MadeFilm:
         """Return the grooves that a mould is made of.

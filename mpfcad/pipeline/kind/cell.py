@@ -1,16 +1,22 @@
 """Cells in both directions: pyramids or dishes, one body of patches."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
-from mpfcad.film import CellFilm, MadeFilm
+from mpfcad.film import CellFilm, Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import Kind, Print, step_header
+from mpfcad.pipeline.kind.words import size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
+from mpfcad.units import um
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 
 class Cells(Kind):
@@ -18,6 +24,10 @@ class Cells(Kind):
 
     formats: tuple[str, ...] = ("step", "stl", *HEIGHT_FORMATS)
     film: CellFilm
+    section_title = "A section through the cells' tips"
+    shows_grooves = False
+    no_mask = "cells have no printing process"
+    view_words = view_text("Cells", "in true proportion")
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
@@ -54,6 +64,35 @@ class Cells(Kind):
 
     def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
         return None
+
+    @property
+    def extent(self) -> str:
+        across, along = self.film.count
+        return size_words((*self.film.size, self.film.thickness), f"{across} × {along} cells")
+
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        return MadeFilm(piece.cut(0, 1, piece.length), Imperfection())
+
+    def view(self, mesh: Path) -> "go.Figure":
+        from mpfcad.report.drawing.cell_view import cell_view
+
+        return cell_view(mesh, self.film)
+
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        return {
+            "template": "report/film_cell.html.j2",
+            "prints": False,
+            "plot": None,
+            "shape": self.film.shape,
+            "pitch_um": f"{piece.groove.pitch / um:g}",
+            "curvature": f"{self.film.curvature:g}",
+        }
 
     def mould_film(self, where: str) -> MadeFilm:
         raise InputError(f"{where}: film.cell: {self.film.shape}: must be 'groove' for a mould")

@@ -1,16 +1,23 @@
 """Grooves whose curvature varies along them too, C(x, y): one body of patches."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight import Stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
-from mpfcad.film import FieldPiece, MadeFilm
+from mpfcad.film import FieldPiece, Imperfection, MadeFilm, PanelFilm, PrismFilm
 from mpfcad.pipeline.kind.base import Kind, Print, step_header
+from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
+from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 
 class FieldGrooves(Kind):
@@ -22,6 +29,9 @@ class FieldGrooves(Kind):
 
     formats: tuple[str, ...] = ("step", "stl", *HEIGHT_FORMATS)
     film: FieldPiece
+    view_words = view_text(
+        "Grooves", "over its whole length, drawn shortened; a section is in true proportion"
+    )
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file import stl
@@ -70,6 +80,46 @@ class FieldGrooves(Kind):
         whole = found.full * float(np.mean(given.process.fill_fraction(given.wanted)))
         by_mask = {name: by_map + volume - whole for name, volume in found.by_mask.items()}
         return ResinCheck(by_mask, found.in_mesh, found.full)
+
+    def refuse_trace(self, printed: PanelFilm, stack: Stack, where: str) -> None:
+        refuse_single(printed.as_field(), self.film, stack, where)
+
+    @property
+    def extent(self) -> str:
+        piece = self.film
+        number = f"{piece.groove_count} grooves; y = 0 is {piece.origin[1]:.6g} mm along the panel"
+        return size_words((*piece.size, piece.thickness), number)
+
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        """Return the section at the piece's lower end."""
+        return MadeFilm(piece, Imperfection())
+
+    def view(self, mesh: Path) -> "go.Figure":
+        from mpfcad.report.drawing.field_view import field_view
+
+        return field_view(mesh, self.film)
+
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        from mpfcad.report.drawing.field_view import field_figure
+        from mpfcad.report.drawing.plot import plot
+
+        across, along = self.film.origin
+        return {
+            "template": "report/film_field.html.j2",
+            "prints": True,
+            "range": range_words(self.film.curvature),
+            "count": self.film.groove_count,
+            "across": f"{across:.6g}",
+            "along": f"{along:.6g}",
+            "plot": plot(field_figure(self.film), "film"),
+            "caption": f"{CURVATURE_WORDS}, over the piece that is drawn.",
+        }
 
     def mould_film(self, where: str) -> MadeFilm:
         raise InputError(

@@ -1,6 +1,7 @@
 """Grooves as designed, one curvature each."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,16 @@ from numpy.typing import NDArray
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.film import Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
+from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+_FILLED = (
+    f"{CURVATURE_WORDS}, and the value a profiler's least-squares fit reports; fill = resin area "
+    "/ groove area; aperture ratio = open area / cell area, as read back from the mask file."
+)
 
 
 class Grooves(Kind):
@@ -16,6 +26,7 @@ class Grooves(Kind):
 
     formats: tuple[str, ...] = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
     film: PrismFilm
+    view_words = view_text("Grooves", "in true proportion")
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad import write_3mf, write_ply, write_step, write_stl
@@ -66,6 +77,51 @@ class Grooves(Kind):
     def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the C [1/mm] of each groove that aperture ratios give."""
         return given.process.curvature(ratio)
+
+    @property
+    def extent(self) -> str:
+        film = self.film
+        return size_words((*film.size, film.thickness), f"{film.groove_count} grooves")
+
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        return MadeFilm(piece, Imperfection())
+
+    def view(self, mesh: Path) -> "go.Figure":
+        from mpfcad.report.drawing.groove_view import groove_view
+
+        return groove_view(mesh, self.as_grooves(self.film))
+
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        from mpfcad.report.drawing.figure import film_figure
+        from mpfcad.report.drawing.plot import plot
+
+        curvature = piece.curvature
+        if piece.profile == "ideal":
+            figure = film_figure(position, curvature, curvature, [], None, None)
+            return {
+                "template": "report/film_ideal.html.j2",
+                "prints": False,
+                "plot": plot(figure, "film"),
+                "caption": "Curvature of each groove.",
+            }
+        fitted = piece.groove.fitted_curvature(curvature, piece.profile)
+        fill = piece.fill_fraction
+        figure = film_figure(position, curvature, fitted, fill, aperture, recovered)
+        return {
+            "template": "report/film_groove.html.j2",
+            "prints": True,
+            "range": range_words(curvature),
+            "count": piece.groove_count,
+            "limit": f"{piece.groove.curvature_empty:g}",
+            "plot": plot(figure, "film"),
+            "caption": _FILLED,
+        }
 
     def mould_film(self, where: str) -> MadeFilm:
         return MadeFilm(self.film, Imperfection())

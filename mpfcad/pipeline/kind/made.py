@@ -1,15 +1,20 @@
 """Grooves as made: imperfect or measured, with the resin that the mask gives."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad import MeshCheck, StepCheck
-from mpfcad.film import MadeFilm
+from mpfcad.film import MadeFilm, PrismFilm
 from mpfcad.film.section import Section
 from mpfcad.pipeline.kind.base import Check, Print, step_header
 from mpfcad.pipeline.kind.groove import Grooves
+from mpfcad.pipeline.kind.words import size_words
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 
 class MadeGrooves(Grooves):
@@ -73,6 +78,19 @@ class MadeGrooves(Grooves):
         depth = given.process.groove.depth
         height = given.process.fill_fraction(ratio) * depth / 2
         return self.film.with_resin(height).film.curvature
+
+    @property
+    def extent(self) -> str:
+        film = self.film
+        return size_words((*film.size, film.thickness), f"{film.film.groove_count} grooves")
+
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        return self.film
+
+    def view(self, mesh: Path) -> "go.Figure":
+        from mpfcad.report.drawing.groove_view import groove_view
+
+        return groove_view(mesh, self.film)
 
     def mould_film(self, where: str) -> MadeFilm:
         return self.film

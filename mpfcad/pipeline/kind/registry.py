@@ -1,11 +1,12 @@
 """Which kind a film is."""
 
-from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PrismFilm
+from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PieceLibrary, PrismFilm
 from mpfcad.job import CadTable
 from mpfcad.pipeline.kind.base import Kind
 from mpfcad.pipeline.kind.cell import Cells
 from mpfcad.pipeline.kind.field import FieldGrooves
 from mpfcad.pipeline.kind.groove import Grooves
+from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.kind.made import MadeGrooves
 from mpfcad.pipeline.plan.made import Drawn
 
@@ -15,10 +16,11 @@ KINDS: dict[type, type[Kind]] = {
     MadeFilm: MadeGrooves,
     CellFilm: Cells,
     FieldPiece: FieldGrooves,
+    PieceLibrary: PieceGrooves,
 }
 
 
-def kind_of(film: Drawn, table: CadTable) -> Kind:
+def kind_of(film: Drawn | PieceLibrary, table: CadTable) -> Kind:
     """Return the kind of a film, drawn as the job's `[cad]` says.
 
     Raises

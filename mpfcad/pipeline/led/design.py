@@ -14,7 +14,7 @@ from mpfcad.film import PieceLibrary
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, write_films
+from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, check_films, write_films
 from mpfcad.pipeline.led.search import LedSearch, Tried
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -67,6 +67,8 @@ def run_led_design(
     best = search.run()
     with export_folder(out, "led-design") as folder:
         films = write_films(design, stack, base(out), best.map, folder)
+        progress.stage("checking " + " and ".join((FILM, CROSSED)[: len(films)]))
+        check_films(films, folder)
         _write_map(folder / MAP, films[0])
         progress.stage(f"tracing {FILM} in {STACK}")
         setting = TRACE_SETTINGS[effort]

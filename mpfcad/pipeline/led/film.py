@@ -10,13 +10,15 @@ from mpfcad.backlight import Stack
 from mpfcad.backlight.layer import OWN_VALUES
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, PieceLibrary, build_library
+from mpfcad.job import CadTable
 from mpfcad.job.led_design import LedDesign
-from mpfcad.units import deg
+from mpfcad.pipeline.kind import kind_of
 
 FILM, CROSSED, STACK = "film.3mf", "film-crossed.3mf", "stack.toml"
 #: How far a cell may be from whole grooves [mm].
 _ROOM = 1e-6
-_ANGLE = 0.5 * deg
+#: Facets within half a degree, the standard of a job's `[cad]`.
+_CAD = CadTable()
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,18 +79,28 @@ def write_films(
     InputError
         when two films are asked and the stack has none that is turned by 90°.
     """
-    from mpfcad.cad.file.library import write_library
-
     across, along = stack.period
     films = [library_of(design, field, (across, along))]
-    write_library(films[0], folder / FILM, _ANGLE, name=design.name)
+    kind_of(films[0], _CAD).write(folder / FILM, design.name)
     crossed = None
     if design.films == 2:
         crossed = _crossed_layer(design, stack)
         films.append(library_of(design, field.turned, (along, across)))
-        write_library(films[1], folder / CROSSED, _ANGLE, name=f"{design.name} crossed")
+        kind_of(films[1], _CAD).write(folder / CROSSED, f"{design.name} crossed")
     (folder / STACK).write_bytes(_stack_text(stack, base, crossed).encode())
     return films
+
+
+def check_films(films: list[PieceLibrary], folder: Path) -> None:
+    """Read the written films back and compare them with what they should hold.
+
+    Raises
+    ------
+    ExportError
+        when one is not the film that was found.
+    """
+    for film, name in zip(films, (FILM, CROSSED), strict=False):
+        kind_of(film, _CAD).check(folder / name)
 
 
 def _crossed_layer(design: LedDesign, stack: Stack) -> str:

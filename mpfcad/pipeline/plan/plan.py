@@ -1,6 +1,5 @@
 """From a job to everything that is made of it: the panel film, its CAD piece, process and stack."""
 
-import math
 import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,6 +16,7 @@ from mpfcad.film import (
     CurvatureTable,
     FieldFilm,
     Groove,
+    PanelFilm,
     PrismFilm,
     Process,
     build_curvature_map,
@@ -26,20 +26,14 @@ from mpfcad.film import (
     write_curvature_map,
 )
 from mpfcad.job import Job, build_job
-from mpfcad.pipeline.plan.field import (
-    FIELD_FILE,
-    cut_window,
-    field_section,
-    has_field,
-    read_field_film,
-    refuse_window,
-)
-from mpfcad.pipeline.plan.made import Drawn, draw_piece, read_measured
+from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
+from mpfcad.pipeline.plan.made import Drawn, read_measured
 from mpfcad.pipeline.plan.named_file import check_job_files
+from mpfcad.pipeline.plan.panel_map import FieldMap, GrooveMap, PanelMap, as_written
 from mpfcad.pipeline.plan.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.propose import with_screen
 from mpfcad.pipeline.plan.screen import with_own_catalogue
-from mpfcad.pipeline.plan.size import refuse_mesh
+from mpfcad.pipeline.plan.size import groove_count
 
 CURVATURE_FILE = "curvature.csv"
 
@@ -89,6 +83,11 @@ class Plan:
     input_file: dict[str, Path] = field(default_factory=dict)
 
     @property
+    def printed(self) -> PanelFilm:
+        """The film over the panel as its mask prints it."""
+        return self.field_film or self.panel
+
+    @property
     def lamp_position(self) -> float:
         """Position [mm] on the panel of the lamp that the traced pitch starts at."""
         return self.stack.origin[0]
@@ -119,11 +118,6 @@ class Plan:
             profile=self.panel.profile,
             aperture_ratio=ratio,
         )
-
-
-def groove_count(width: float, pitch: float) -> int:
-    """Return how many whole grooves of `pitch` [mm] cover `width` [mm]."""
-    return math.ceil(width / pitch - 1e-9)
 
 
 def read_plan(job: Job, job_file: Path) -> Plan:
@@ -158,10 +152,11 @@ def read_plan(job: Job, job_file: Path) -> Plan:
     calibration = files.get(job.process.calibration or "")
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
-    curvature: FieldFilm | NDArray[np.float64]
+    panel_map: PanelMap
     if has_field(job, job_file):
         assert job.map.file is not None  # a map C(x, y) is a file
-        curvature = read_field_film(job, folder / job.map.file, str(job_file), count, stack)
+        map_file = folder / job.map.file
+        panel_map = FieldMap(read_field_film(job, map_file, str(job_file), count, stack))
     else:
         refuse_window(job, str(job_file))
         curvature = _read_map(job, job_file, stack, groove).on_grooves(
@@ -169,12 +164,12 @@ def read_plan(job: Job, job_file: Path) -> Plan:
             stack.period.across,
             stack.origin[0],
         )
-        curvature = _as_written(curvature, groove)
-    job, reason = with_screen(job, job_file, curvature, groove)
+        panel_map = GrooveMap(as_written(curvature, groove))
+    job, reason = with_screen(job, job_file, panel_map.curvature, groove)
     process = read_job_process(job, calibration, groove, str(job_file))
     process = with_reason(process, reason)
     text = calibration.read_text("utf-8") if calibration else None
-    plan = _build_plan(job, stack, process, curvature, read_measured(job, job_file), str(job_file))
+    plan = _build_plan(job, stack, process, panel_map, read_measured(job, job_file), str(job_file))
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
 
 
@@ -219,13 +214,13 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
         process = read_job_process(job, file, groove, str(folder / "verification.json"))
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
-    curvature: FieldFilm | NDArray[np.float64]
+    panel_map: PanelMap
     if (folder / FIELD_FILE).is_file():
         count = groove_count(stack.panel_width, groove.pitch)
-        curvature = read_field_film(job, folder / FIELD_FILE, str(folder), count, stack)
+        panel_map = FieldMap(read_field_film(job, folder / FIELD_FILE, str(folder), count, stack))
     else:
-        curvature = read_curvature(folder)
-    plan = _build_plan(job, stack, process, curvature, measured, str(folder))
+        panel_map = GrooveMap(read_curvature(folder))
+    plan = _build_plan(job, stack, process, panel_map, measured, str(folder))
     return replace(plan, calibration=text)
 
 
@@ -250,47 +245,15 @@ def _build_plan(
     job: Job,
     stack: Stack,
     process: Process | None,
-    curvature: NDArray[np.float64] | FieldFilm,
+    panel_map: PanelMap,
     measured: NDArray[np.float64] | None,
     where: str,
 ) -> Plan:
-    if isinstance(curvature, FieldFilm):
-        first, window = cut_window(job, curvature, stack, where)
-        if stack.resin_scatters:
-            raise InputError(f"{where}: resin: scatters: the map must not vary along the grooves")
-        panel = field_section(curvature, window.origin[1], job.film.base)
-        piece = panel.cut(first, window.groove_count, window.size[1])
-        return Plan(job, process, stack, panel, piece, window, first, curvature)
-    panel = PrismFilm(
-        groove=job.film.groove,
-        base=job.film.base,
-        length=stack.panel_length,
-        profile=job.film.profile,
-        curvature=curvature,
-    )
-    first, piece = _cut_piece(job, stack, panel)
-    refuse_mesh(job, piece.groove_count, where)
-    drawn = draw_piece(job, piece, measured, where)
-    return Plan(job, process, stack, panel, piece, drawn, first, measured=measured)
-
-
-def _as_written(curvature: NDArray[np.float64], groove: Groove) -> NDArray[np.float64]:
-    """Return the curvatures as curvature.csv holds them, so that it alone defines the film."""
-    # Nine digits may lie above the empty groove's curvature where all digits do not.
-    written = np.array([float(f"{value:.9g}") for value in curvature])
-    over = (written > groove.curvature_empty) & (curvature <= groove.curvature_empty * (1 + 1e-12))
-    return np.where(over, [float(f"{value * (1 - 5e-10):.9g}") for value in curvature], written)
-
-
-def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm]:
-    """Return the first groove and the piece: a lamp pitch from a central lamp on, or all."""
-    if job.cad.extent == "panel":
-        return 0, panel
-    pitch = panel.groove.pitch
-    count = min(groove_count(stack.period.across, pitch), panel.groove_count)
-    first = round(stack.origin[0] / pitch)
-    first = min(max(first, 0), panel.groove_count - count)
-    return first, panel.cut(first, count, job.cad.length)
+    laid = panel_map.lay(job, stack, measured, where)
+    return Plan(
+        job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
+        laid.field_film, measured=laid.measured,
+    )  # fmt: skip
 
 
 def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> CurvatureMap:

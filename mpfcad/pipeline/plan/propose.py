@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film import FieldFilm, Groove, Process, check_printable, groove_ranges
+from mpfcad.film import Groove, Process, check_printable, groove_ranges
 from mpfcad.job import Job
 from mpfcad.mask.fabric import Mesh, read_catalogue, shipped_catalogue
 from mpfcad.mask.rule import MaskRules
@@ -226,23 +226,18 @@ def _with_angle(job: Job, row: Proposal, groove: Groove) -> Proposal:
     return replace(row, angle=ANGLES[best] * deg, moire=worst[best])
 
 
-def film_curvature(film: FieldFilm | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the curvatures [1/mm] of a panel that a screen has to print, one axis."""
-    values = film.field.curvature if isinstance(film, FieldFilm) else film
-    return np.ravel(np.asarray(values, float))
-
-
 def choose_screen(
-    job: Job, job_file: Path, film: FieldFilm | NDArray[np.float64], groove: Groove
+    job: Job, job_file: Path, curvature: NDArray[np.float64], groove: Groove
 ) -> tuple[Job, str]:
     """Return the job with the best screen in place of `mask.mesh = "auto"`, and why that one.
+
+    `curvature` [1/mm] is every one that the screen has to print, one axis.
 
     Raises
     ------
     InputError
         naming the grooves that no mesh prints, and the nearest map that one does.
     """
-    curvature = film_curvature(film)
     best = propose(job, job_file, curvature, groove)[0]
     if best.margin < 1:
         raise InputError(_nearest_map(job, job_file, best, curvature, groove))
@@ -258,7 +253,7 @@ def choose_screen(
 
 
 def with_screen(
-    job: Job, job_file: Path, film: FieldFilm | NDArray[np.float64], groove: Groove
+    job: Job, job_file: Path, curvature: NDArray[np.float64], groove: Groove
 ) -> tuple[Job, str | None]:
     """Return a job with a screen chosen where it says `auto`, and why; else the job itself."""
     table = job.mask.mesh
@@ -266,7 +261,7 @@ def with_screen(
         return job, None
     if job.film.profile != "filled" or job.film.cell != "groove":
         return job.model_copy(update={"mask": job.mask.model_copy(update={"mesh": None})}), None
-    return choose_screen(job, job_file, film, groove)
+    return choose_screen(job, job_file, curvature, groove)
 
 
 def _nearest_map(

@@ -1,4 +1,4 @@
-"""How large the files of a job become: what would need more than can be had is refused before work.
+"""How large a job and its files become: what would need more than can be had is refused early.
 
 Estimates are upper bounds; a refusal says which value would fit.
 """
@@ -14,6 +14,11 @@ _INCH = 25.4
 _PIXELS = 3e10
 #: Largest mesh [triangles]: about 200 bytes each in memory while it is made and checked.
 _TRIANGLES = 4e7
+
+
+def groove_count(width: float, pitch: float) -> int:
+    """Return how many whole grooves of `pitch` [mm] cover `width` [mm]."""
+    return math.ceil(width / pitch - 1e-9)
 
 
 def refuse_picture(

@@ -199,7 +199,7 @@ def light_baseline(angle_tolerance: float, preset: str = BASELINE_PRESET) -> Lit
 
 def baseline_film(stack: Stack) -> PrismFilm:
     """Return the plain BEF of the thesis over one lamp pitch, or one groove under LEDs."""
-    from mpfcad.pipeline.plan.plan import groove_count
+    from mpfcad.pipeline.plan.size import groove_count
 
     groove = Groove(0.050, 0.025)
     count = 1 if stack.period.along > 0 else groove_count(stack.period.across, groove.pitch)

@@ -5,14 +5,15 @@ from pathlib import Path
 
 from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
 from mpfcad.errors import InputError
-from mpfcad.film import FieldFilm, PrismFilm, Process
+from mpfcad.film import PanelFilm, Process
 from mpfcad.gate import Gate, demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.kind import Check, kind_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
-from mpfcad.pipeline.plan.plan import Plan, groove_count
+from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
+from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.progress import Progress
 
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
@@ -34,12 +35,11 @@ def plan_mask(plan: Plan) -> Mask | None:
 
     if plan.process is None:
         return None
-    film = plan.field_film or plan.panel
-    rules = job_rules(plan.job, film, plan.process)
-    return build_mask(film, plan.process, rules, plan.job.name)
+    rules = job_rules(plan.job, plan.printed, plan.process)
+    return build_mask(plan.printed, plan.process, rules, plan.job.name)
 
 
-def job_rules(job: Job, film: PrismFilm | FieldFilm, process: Process) -> MaskRules:
+def job_rules(job: Job, film: PanelFilm, process: Process) -> MaskRules:
     """Return the rules of a job's mask, levelling worked out for its least filled groove.
 
     Raises
@@ -47,10 +47,7 @@ def job_rules(job: Job, film: PrismFilm | FieldFilm, process: Process) -> MaskRu
     InputError
         for a mesh that there is not, or a resin that does not run.
     """
-    if isinstance(film, FieldFilm):
-        ratio = process.aperture_ratio_of_curvature(film.field.curvature)
-    else:
-        ratio = process.aperture_ratio_of_curvature(film.curvature)
+    ratio = process.aperture_ratio_of_curvature(film.content[-1])
     smallest = float(ratio[ratio > 1e-9].min(initial=1.0))
     levelling = job_levelling(job, process, film.groove, smallest, job.name)
     return mask_rules(job.mask, job.name, levelling)

@@ -11,17 +11,13 @@ from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
 from mpfcad.pipeline.plan.field import has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
-from mpfcad.pipeline.plan.plan import (
-    Plan,
-    groove_count,
-    read_job_stack,
-    read_plan,
-    stored_job,
-)
+from mpfcad.pipeline.plan.panel_map import FieldMap
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
 from mpfcad.pipeline.plan.process import read_job_process, with_reason
-from mpfcad.pipeline.plan.propose import Proposal, film_curvature, propose, with_screen
+from mpfcad.pipeline.plan.propose import Proposal, propose, with_screen
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
+from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
 from mpfcad.pipeline.run.mask_order import job_order, phototool
 from mpfcad.record.printing import mask_gates, print_gates, printability
@@ -122,30 +118,31 @@ def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
     thesis = bare.process.model_copy(update={"model": None, "solids_fraction": 1.0})
     bare = bare.model_copy(update={"process": thesis})
     if has_field(job, job_file):
-        stack = read_job_stack(job, job_file)
-        count = groove_count(stack.panel_width, job.film.groove.pitch)
-        assert job.map.file is not None  # a map C(x, y) is a file
-        map_file = job_file.parent / job.map.file
-        film: Any = read_field_film(bare, map_file, str(job_file), count, stack)
+        curvature = _field_map(bare, job_file).curvature
     else:
-        film = read_plan(bare, job_file).panel.curvature
+        curvature = read_plan(bare, job_file).panel.curvature
     if job.process.model == "thesis":
         process = job.process.model_copy(update={"model": "prior"})
         job = job.model_copy(update={"process": process})
-    return propose(job, job_file, film_curvature(film), job.film.groove)
+    return propose(job, job_file, curvature, job.film.groove)
+
+
+def _field_map(job: Job, job_file: Path) -> FieldMap:
+    """Return the map C(x, y) of a job, over the whole panel."""
+    stack = read_job_stack(job, job_file)
+    count = groove_count(stack.panel_width, job.film.groove.pitch)
+    assert job.map.file is not None  # a map C(x, y) is a file
+    map_file = job_file.parent / job.map.file
+    return FieldMap(read_field_film(job, map_file, str(job_file), count, stack))
 
 
 def _read_field(job: Job, job_file: Path) -> MaskPlan:
     refuse_unprintable(job, str(job_file))
-    stack = read_job_stack(job, job_file)
-    groove = job.film.groove
-    count = groove_count(stack.panel_width, groove.pitch)
-    assert job.map.file is not None  # a map C(x, y) is a file
-    map_file = job_file.parent / job.map.file
-    film = read_field_film(job, map_file, str(job_file), count, stack)
+    panel_map, groove = _field_map(job, job_file), job.film.groove
+    film = panel_map.film
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
-    job, reason = with_screen(job, job_file, film, groove)
+    job, reason = with_screen(job, job_file, panel_map.curvature, groove)
     process = with_reason(read_job_process(job, calibration, groove, str(job_file)), reason)
     assert process is not None  # refuse_unprintable saw to that
     mask = build_mask(film, process, job_rules(job, film, process), job.name)

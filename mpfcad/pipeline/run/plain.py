@@ -8,7 +8,8 @@ import numpy as np
 
 from mpfcad.film import PrismFilm
 from mpfcad.measure import LuminanceResult, TraceRun, light_film, luminance_over_pitch
-from mpfcad.pipeline.plan.plan import Plan, groove_count
+from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.size import groove_count
 
 #: Half of the 95 % interval of the contrast at which its trace ends: its lamps show plainly.
 PLAIN_GOAL = 0.004

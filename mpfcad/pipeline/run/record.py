@@ -14,6 +14,7 @@ from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.measure import describe_eye
 from mpfcad.pipeline.effort import TraceSetting
+from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.field import FIELD_FILE
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits
@@ -105,7 +106,7 @@ def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
         return None
     piece = slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
     wanted = plan.panel.curvature
-    if plan.field_film is not None and findings.wanted_ratio is not None:
+    if plan.printed.varies_along and findings.wanted_ratio is not None:
         # What the mask has of a groove is one ratio: the curvature that its mean would give.
         wanted = plan.process.curvature(findings.wanted_ratio)
     found = {
@@ -133,7 +134,7 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         stack=restore_stack(describe_stack(plan.stack)),
         panel=plan.panel,
         piece=plan.piece,
-        drawn=plan.drawn,
+        kind=kind_of(plan.drawn, plan.job.cad),
         first_groove=plan.first_groove,
         lamp_position=plan.lamp_position,
         mask_period=plan.job.mask.period if mask is None else mask.period,

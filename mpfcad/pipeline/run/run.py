@@ -5,13 +5,12 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
-from mpfcad.film import FieldPiece
 from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.plan.field import refuse_single
+from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
@@ -68,8 +67,7 @@ def run_job(
     for table in plan.stack.tables.values():
         progress.note(table.table.summary())
     job = plan.job
-    if plan.field_film is not None and isinstance(plan.drawn, FieldPiece):
-        refuse_single(plan.field_film, plan.drawn, plan.stack, str(job_file))
+    kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, str(job_file))
     mask = plan_mask(plan)
     if mask is not None:
         refuse_mask_formats(job, mask, job.mask.formats, str(job_file))

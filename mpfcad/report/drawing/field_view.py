@@ -21,13 +21,20 @@ LENGTH_TO_WIDTH = 2.0
 
 def field_figure(film: FieldPiece) -> "go.Figure":
     """Return the map of C over the piece, from its lower left corner."""
+    return curvature_figure(film.groove_position, film.along, film.curvature)
+
+
+def curvature_figure(
+    across: NDArray[np.float64], along: NDArray[np.float64], curvature: NDArray[np.float64]
+) -> "go.Figure":
+    """Return the map of C (n, m) [1/mm] over x (n,) and y (m,) [mm]."""
     import plotly.graph_objects as go
 
     figure = go.Figure(
         go.Heatmap(
-            x=film.groove_position.round(6).tolist(),
-            y=film.along.round(6).tolist(),
-            z=film.curvature.T.round(4).tolist(),
+            x=across.round(6).tolist(),
+            y=along.round(6).tolist(),
+            z=curvature.T.round(4).tolist(),
             colorscale="Viridis",
             colorbar={"title": {"text": "C [/mm]"}},
             hovertemplate="x %{x:.3f} mm<br>y %{y:.3f} mm<br>C %{z:.2f} /mm<extra></extra>",

@@ -18,13 +18,14 @@ def cad_values(record: Record, evidence: Evidence) -> dict[str, Any]:
     stl = evidence.folder / "film.stl"
     kind, readable = evidence.kind, record["mesh"] is not None
     drawn = kind.shows_grooves and readable
+    made = kind.as_grooves(evidence.piece)
     return {
         "rows": _rows(record, evidence),
         "view": plot(kind.view(stl), "grooves") if readable else None,
         "view_words": kind.view_words,
-        "dimensions": draw_dimensions(kind.made, 0),
+        "dimensions": draw_dimensions(made, 0),
         "section_title": kind.section_title,
-        "grooves": draw_grooves(stl, kind.made, evidence.shown_groove) if drawn else None,
+        "grooves": draw_grooves(stl, made, evidence.shown_groove) if drawn else None,
     }
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.film import PrismFilm
-from mpfcad.report.film.film_kind import Drawn, FilmKind, kind_of
+from mpfcad.report.film.kind import FilmKind
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +24,8 @@ class Evidence:
     panel, piece
         the film over the panel, and its part that film.step and film.stl hold, as designed; of
         grooves whose curvature varies along them, the section at the piece's lower end
-    drawn
-        what they hold: `piece`, or as it is made, of cells, or of grooves that vary along
+    kind
+        what they hold: words and drawings of the film's kind
     first_groove
         groove of the panel that is the first of the piece
     lamp_position
@@ -40,16 +40,11 @@ class Evidence:
     stack: Stack
     panel: PrismFilm
     piece: PrismFilm
-    drawn: Drawn
+    kind: FilmKind
     first_groove: int
     lamp_position: float
     mask_period: float
     aperture_ratio: NDArray[np.float64] | None
-
-    @property
-    def kind(self) -> FilmKind:
-        """The words and drawings of the film's kind."""
-        return kind_of(self.drawn, self.piece)
 
     @property
     def shown_groove(self) -> dict[str, int]:

@@ -45,7 +45,9 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         chain=chain_values(record),
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
         input=input_values(evidence),
-        film=evidence.kind.values(evidence.position, evidence.aperture_ratio, recovered),
+        film=evidence.kind.film_section(
+            evidence.piece, evidence.position, evidence.aperture_ratio, recovered
+        ),
         mask=mask_values(record, evidence),
         cad=cad_values(record, evidence),
         luminance=luminance_values(record),

@@ -1,0 +1,135 @@
+"""Read a library of groove pieces, a 3MF of instances, back with lib3mf, and compare it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad.check.mesh_check import refuse_above
+from mpfcad.cad.check.mesh_file_check import BodyCheck, body_volume, check_volume, merged_height
+from mpfcad.errors import ExportError
+from mpfcad.film import PieceLibrary
+
+#: A corner may be off the surface by so many steps of float32, in x and z.
+STEPS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedPieces:
+    """What a 3MF of instances holds.
+
+    Attributes
+    ----------
+    point, facet
+        of each piece by its number in the file: (v, 3) float64 [mm], (t, 3) int64
+    open_piece
+        number of a piece that is not closed and oriented; None: all are
+    number
+        (k,) int64, piece of each instance
+    place
+        (k, 2) float64 [mm], x and y by which it is moved
+    """
+
+    point: dict[int, NDArray[np.float64]]
+    facet: dict[int, NDArray[np.int64]]
+    open_piece: int | None
+    number: NDArray[np.int64]
+    place: NDArray[np.float64]
+
+
+def read_pieces(path: Path) -> PlacedPieces:
+    """Return the pieces of a 3MF file and where their instances stand.
+
+    Raises
+    ------
+    ExportError
+        when lib3mf cannot read it, its unit is not mm, or an instance is turned or lifted.
+    """
+    import lib3mf
+
+    path = Path(path)
+    model = lib3mf.Wrapper().CreateModel()
+    try:
+        model.QueryReader("3mf").ReadFromFile(str(path))
+    except lib3mf.ELib3MFException as error:
+        raise ExportError(f"{path.name}: lib3mf cannot read this file: {error}") from error
+    if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
+        raise ExportError(f"{path.name}: unit {model.GetUnit()}: expected mm")
+    point, facet, open_piece = {}, {}, None
+    meshes = model.GetMeshObjects()
+    while meshes.MoveNext():
+        mesh = meshes.GetCurrentMeshObject()
+        identity = int(mesh.GetResourceID())
+        point[identity] = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], np.float64)
+        facet[identity] = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()], np.int64)
+        if not mesh.IsManifoldAndOriented():
+            open_piece = identity
+    items, number, place = model.GetBuildItems(), [], []
+    while items.MoveNext():
+        item = items.GetCurrent()
+        number.append(int(item.GetObjectResource().GetResourceID()))
+        place.append(_shift(path, item))
+    return PlacedPieces(point, facet, open_piece, np.array(number), np.array(place).reshape(-1, 2))
+
+
+def _shift(path: Path, item: Any) -> NDArray[np.float64]:
+    """Return (x, y) [mm] by which an instance is moved."""
+    if not item.HasObjectTransform():
+        return np.zeros(2)
+    table = np.array([list(row) for row in item.GetObjectTransform().Fields], np.float64)
+    if not np.array_equal(table[:3], np.eye(3)) or table[3, 2] != 0:
+        raise ExportError(f"{path.name}: an instance is turned or lifted: expected it moved alone")
+    return table[3, :2]
+
+
+def check_library(path: Path, library: PieceLibrary) -> BodyCheck:
+    """Return what the 3MF file at `path` holds, once it is found to be `library`.
+
+    Raises
+    ------
+    ExportError
+        when a piece is missing, not closed, off in volume or surface, or an instance is not the
+        piece that stands at its place.
+    """
+    path = Path(path)
+    found = read_pieces(path)
+    if found.open_piece is not None:
+        raise ExportError(f"{path.name}: piece {found.open_piece}: not closed and oriented")
+    _check_places(path, library, found)
+    volume, count = {}, {}
+    # The file's pieces are those in use, in their order.
+    for identity, number in zip(sorted(found.point), np.unique(library.chosen), strict=True):
+        piece, point = library.piece(int(number)), found.point[identity]
+        name = f"C {library.curvature[number]:.6f} /mm"
+        volume[name] = body_volume(point, found.facet[identity])
+        count[name] = len(found.facet[identity])
+        check_volume(path, name, volume[name], piece.volume, piece.volume)
+        top = point[point[:, 2] > 0]
+        off = float(np.abs(top[:, 2] - piece.height(top[:, 0])).max())
+        step = float(np.spacing(np.float32(max(piece.thickness, library.length))))
+        room = STEPS * (1 + piece.groove.wall_slope) * step + merged_height(piece)
+        refuse_above(path, f"{name}: height error [mm]", off, room)
+    return BodyCheck(volume, count)
+
+
+def _check_places(path: Path, library: PieceLibrary, found: PlacedPieces) -> None:
+    """Refuse instances that are not the library's, one at each place."""
+    used, chosen = np.unique(library.chosen, return_inverse=True)
+    if len(found.point) != len(used) or len(found.number) != library.chosen.size:
+        raise ExportError(
+            f"{path.name}: {len(found.point)} pieces, {len(found.number)} instances: expected "
+            f"{len(used)}, {library.chosen.size}"
+        )
+    across, along = np.indices(library.chosen.shape)
+    wanted = np.stack([across.ravel() * library.groove.pitch, along.ravel() * library.length], 1)
+    step = float(np.spacing(np.float32(max(library.size))))
+    refuse_above(path, "place of an instance [mm]", float(np.abs(found.place - wanted).max()), step)
+    identity = np.array(sorted(found.point))[np.ravel(chosen)]
+    wrong = np.flatnonzero(identity != found.number)
+    if len(wrong):
+        raise ExportError(
+            f"{path.name}: instance {wrong[0]} is piece {found.number[wrong[0]]}: expected "
+            f"{identity[wrong[0]]}"
+        )

@@ -1,0 +1,103 @@
+"""Grooves as a library: few pieces, an instance at each place; the film under LEDs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.errors import InputError
+from mpfcad.film import Imperfection, MadeFilm, PieceLibrary, PrismFilm
+from mpfcad.pipeline.kind.base import Check, Kind, Print
+from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
+from mpfcad.record import ResinCheck
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+
+class PieceGrooves(Kind):
+    """A film of groove pieces whose instances alone say where they stand: 3MF can hold that."""
+
+    formats: tuple[str, ...] = ("3mf",)
+    film: PieceLibrary
+    section_title = "The piece at the film's lower left corner"
+    shows_grooves = False
+    no_mask = "a film of instances has no mask: expected a map C(x, y) for one"
+    view_words = view_text("Grooves", "in true proportion", "film.3mf")
+
+    def write(self, path: Path, name: str) -> None:
+        from mpfcad.cad.file.library import write_library
+
+        self._refuse_other(path)
+        write_library(self.film, path, self.angle, name=name)
+
+    def check(self, path: Path) -> Check:
+        from mpfcad.cad.check.library import check_library
+
+        self._refuse_other(path)
+        return check_library(path, self.film)
+
+    def check_step(self, path: Path) -> StepCheck:
+        raise self._other(path)
+
+    def check_mesh(self, path: Path) -> MeshCheck:
+        raise self._other(path)
+
+    def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
+        raise self._other(step)
+
+    def _refuse_other(self, path: Path) -> None:
+        if path.suffix != ".3mf":
+            raise self._other(path)
+
+    def _other(self, path: Path) -> InputError:
+        return InputError(f"{path.name}: a film of instances: expected 3mf, which holds instances")
+
+    def curvature_difference(
+        self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
+    ) -> float | None:
+        return None
+
+    def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
+        return None
+
+    @property
+    def extent(self) -> str:
+        across, along = self.film.chosen.shape
+        pieces = f"{len(np.unique(self.film.chosen))} pieces at {across} × {along} places"
+        return size_words((*self.film.size, self.film.base + self.film.groove.depth), pieces)
+
+    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+        return MadeFilm(self.film.piece(int(self.film.chosen[0, 0])), Imperfection())
+
+    def view(self, mesh: Path) -> "go.Figure":
+        from mpfcad.report.drawing.library_view import library_view
+
+        return library_view(mesh, self.film)
+
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        from mpfcad.report.drawing.field_view import curvature_figure
+        from mpfcad.report.drawing.plot import plot
+
+        film = self.film
+        curvature = film.curvature[film.chosen]
+        across, along = (np.arange(0.5, n) for n in film.chosen.shape)
+        figure = curvature_figure(across * film.groove.pitch, along * film.length, curvature)
+        return {
+            "template": "report/film_library.html.j2",
+            "prints": True,
+            "range": range_words(curvature),
+            "count": len(np.unique(film.chosen)),
+            "places": " × ".join(map(str, film.chosen.shape)),
+            "length": f"{film.length:.6g}",
+            "plot": plot(figure, "film"),
+            "caption": f"{CURVATURE_WORDS}, of the piece at each place.",
+        }

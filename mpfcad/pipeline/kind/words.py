@@ -1,0 +1,26 @@
+"""Words that pages say of more than one kind of film."""
+
+from typing import Any
+
+from numpy.typing import NDArray
+
+#: Said under every plot of C.
+CURVATURE_WORDS = "C of z = z_{0} + C/2 · x² through the tips"
+
+
+def size_words(size: tuple[float, ...], number: str) -> str:
+    """Return a size [mm] and what there is of it, in words."""
+    return " × ".join(f"{part:.6g}" for part in size) + f" mm, {number}"
+
+
+def range_words(curvature: NDArray[Any]) -> str:
+    """Return the least and the largest curvature [1/mm]."""
+    return f"{curvature.min():.4g} … {curvature.max():.4g}"
+
+
+def view_text(what: str, how: str, file: str = "film.stl") -> str:
+    """Return what a three-dimensional drawing shows."""
+    return (
+        f"{what} in the middle of the piece {how}; turn with the mouse. The surface is that of "
+        f"{file}; the base goes on below."
+    )

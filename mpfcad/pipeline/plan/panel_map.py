@@ -1,0 +1,104 @@
+"""What a job wants of each place of the panel: a curvature a groove, or a map C(x, y)."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import Stack
+from mpfcad.errors import InputError
+from mpfcad.film import FieldFilm, Groove, PrismFilm
+from mpfcad.job import Job
+from mpfcad.pipeline.plan.field import cut_window, field_section
+from mpfcad.pipeline.plan.made import Drawn, draw_piece
+from mpfcad.pipeline.plan.size import groove_count, refuse_mesh
+
+
+class Laid(NamedTuple):
+    """A map laid onto the panel, and its part that the CAD files hold; as `Plan` has them."""
+
+    panel: PrismFilm
+    piece: PrismFilm
+    drawn: Drawn
+    first_groove: int
+    field_film: FieldFilm | None
+    measured: NDArray[np.float64] | None
+
+
+class PanelMap(Protocol):
+    """The map of a job over the panel, as the export will hold it."""
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """Every curvature [1/mm] that a screen has to print, one axis."""
+
+    def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
+        """Return the panel and its piece; `measured` is the job's mean groove, if it has one.
+
+        Raises
+        ------
+        InputError
+            that begins with `where`, for what cannot be drawn.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class GrooveMap:
+    """A curvature a groove, (n,) float64 [1/mm]."""
+
+    curvature: NDArray[np.float64]
+
+    def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
+        """Return the panel of these grooves, and the piece as the job says it is made."""
+        panel = PrismFilm(
+            groove=job.film.groove,
+            base=job.film.base,
+            length=stack.panel_length,
+            profile=job.film.profile,
+            curvature=self.curvature,
+        )
+        first, piece = _cut_piece(job, stack, panel)
+        refuse_mesh(job, piece.groove_count, where)
+        drawn = draw_piece(job, piece, measured, where)
+        return Laid(panel, piece, drawn, first, None, measured)
+
+
+@dataclass(frozen=True, eq=False)
+class FieldMap:
+    """A curvature that varies along the grooves too."""
+
+    film: FieldFilm
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """The curvature [1/mm] of every node of the map."""
+        return np.ravel(self.film.field.curvature)
+
+    def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
+        """Return the panel's section at the window's lower end, and the window."""
+        first, window = cut_window(job, self.film, stack, where)
+        if stack.resin_scatters:
+            raise InputError(f"{where}: resin: scatters: the map must not vary along the grooves")
+        panel = field_section(self.film, window.origin[1], job.film.base)
+        piece = panel.cut(first, window.groove_count, window.size[1])
+        return Laid(panel, piece, window, first, self.film, None)
+
+
+def as_written(curvature: NDArray[np.float64], groove: Groove) -> NDArray[np.float64]:
+    """Return the curvatures as curvature.csv holds them, so that it alone defines the film."""
+    # Nine digits may lie above the empty groove's curvature where all digits do not.
+    written = np.array([float(f"{value:.9g}") for value in curvature])
+    over = (written > groove.curvature_empty) & (curvature <= groove.curvature_empty * (1 + 1e-12))
+    return np.where(over, [float(f"{value * (1 - 5e-10):.9g}") for value in curvature], written)
+
+
+def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm]:
+    """Return the first groove and the piece: a lamp pitch from a central lamp on, or all."""
+    if job.cad.extent == "panel":
+        return 0, panel
+    pitch = panel.groove.pitch
+    count = min(groove_count(stack.period.across, pitch), panel.groove_count)
+    first = round(stack.origin[0] / pitch)
+    first = min(max(first, 0), panel.groove_count - count)
+    return first, panel.cut(first, count, job.cad.length)

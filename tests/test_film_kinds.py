@@ -1,0 +1,149 @@
+"""Kinds of film are told apart by `pipeline/kind` alone; the library of pieces is one of them."""
+
+import ast
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mpfcad
+from mpfcad.errors import ExportError, InputError
+from mpfcad.film import Groove, build_library
+from mpfcad.job import CadTable
+from mpfcad.pipeline.kind import kind_of
+from mpfcad.pipeline.kind.registry import KINDS
+from mpfcad.report.page.environment import render
+
+ROOT = Path(mpfcad.__file__).parent
+#: Films over the panel are films too, and so are those that the tracer knows.
+FILMS = {kind.__name__ for kind in KINDS} | {"FieldFilm", "CurvatureField", "Film", "LibraryFilm"}
+ASKING = sorted(
+    path
+    for package in ("mask", "pipeline", "report", "measure")
+    for path in (ROOT / package).rglob("*.py")
+    if ROOT / "pipeline" / "kind" not in path.parents
+)
+
+
+def kinds_asked(source: str) -> list[str]:
+    """Return the classes of film that a source asks for: isinstance, type(x) is, match."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        asked: list[ast.AST] = []
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in (
+            "isinstance", "issubclass",
+        ):  # fmt: skip
+            asked = node.args[1:]
+        elif isinstance(node, ast.Compare) and "type(" in ast.unparse(node):
+            asked = [node]
+        elif isinstance(node, ast.MatchClass):
+            asked = [node.cls]
+        for part in asked:
+            for name in ast.walk(part):
+                word = getattr(name, "attr", None) or getattr(name, "id", None)
+                if word in FILMS:
+                    found.append(word)
+    return found
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "isinstance(film, CellFilm)",
+        "isinstance(film, PrismFilm | MadeFilm)",
+        "isinstance(film, (int, film.FieldPiece))",
+        "type(film) is PieceLibrary",
+        "match film:\n    case FieldFilm():\n        pass",
+    ],
+)
+def test_a_film_that_is_asked_for_its_kind_is_seen(source):
+    assert kinds_asked(source)
+    assert not kinds_asked("film.varies_along and isinstance(film.curvature, float)")
+
+
+def test_no_film_is_asked_for_its_kind():
+    found = {str(path.relative_to(ROOT)): kinds_asked(path.read_text("utf-8")) for path in ASKING}
+    asked = {path: names for path, names in found.items() if names}
+    assert len(found) > 100
+    assert not asked, f"{asked}: expected a method of `pipeline.kind.Kind`"
+
+
+def test_every_kind_has_words_a_view_and_its_own_template():
+    for kind in KINDS.values():
+        assert kind.view_words and kind.section_title and kind.no_mask and kind.formats
+        assert {"extent", "view", "film_section", "as_grooves"} <= set(dir(kind))
+    assert len({kind.__name__ for kind in KINDS.values()}) == len(KINDS)
+
+
+@pytest.fixture(scope="module")
+def pieces():
+    """Return a library of 5 different pieces at 6 × 4 places, and its kind."""
+    wanted = 60 + 12 * np.cos(np.linspace(0, 5, 6))[:, None] * np.cos(np.linspace(0, 3, 4))
+    library = build_library(Groove(0.05, 0.025), 0.15, 0.1, wanted, 5)
+    return library, kind_of(library, CadTable())
+
+
+def rewritten(source, target, change):
+    """Copy a 3MF with its model's text changed."""
+    with zipfile.ZipFile(source) as read, zipfile.ZipFile(target, "w") as write:
+        for name in read.namelist():
+            content = read.read(name)
+            if name.endswith(".model"):
+                content = change(content.decode()).encode()
+            write.writestr(name, content)
+    return target
+
+
+def test_a_library_is_written_checked_and_shown(pieces, tmp_path):
+    library, kind = pieces
+    path = tmp_path / "film.3mf"
+    kind.write(path, "film")
+    check = kind.check(path)
+    used = np.unique(library.chosen)
+    assert list(check.volume) == [f"C {c:.6f} /mm" for c in library.curvature[used]]
+    for number, volume in zip(used, check.volume.values(), strict=True):
+        assert volume == pytest.approx(library.piece(int(number)).volume, rel=1e-4)
+    assert kind.extent == "0.3 × 0.4 × 0.175 mm, 5 pieces at 6 × 4 places"
+    # Three grooves in the middle, one piece of 0.1 mm long: x from 0 to 0.15 mm.
+    (body,) = kind.view(path).data
+    assert (min(body.x), max(body.x)) == (0.0, 150.0) and max(body.y) == pytest.approx(100.0)
+    shown = kind.film_section(library.piece(0), np.empty(0), None, None)
+    page = render(shown["template"], film=shown, record={"process": None})
+    assert "5 different ones" in page and "6 × 4 places" in page
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text: text.replace('<item objectid="1"', '<item objectid="2"', 1), "is piece"),
+        (lambda text: re.sub(r"<item [^>]*/>", "", text, count=1), "23 instances: expected"),
+        (lambda text: text.replace(" 0.05 0 0", " 0.051 0 0", 1), "place of an instance"),
+        (lambda text: re.sub(r"<triangle [^>]*/>", "", text, count=1), "not closed"),
+    ],
+)  # fmt: skip
+def test_a_library_that_is_not_what_was_wanted_is_refused(pieces, tmp_path, change, words):
+    _, kind = pieces
+    kind.write(tmp_path / "film.3mf", "film")
+    changed = rewritten(tmp_path / "film.3mf", tmp_path / "changed.3mf", change)
+    with pytest.raises(ExportError, match=words):
+        kind.check(changed)
+
+
+def test_pieces_of_another_curvature_are_refused(pieces, tmp_path):
+    library, kind = pieces
+    other = build_library(
+        library.groove, library.base, library.length, library.curvature[library.chosen] + 0.02, 5
+    )
+    kind_of(other, CadTable()).write(tmp_path / "film.3mf", "film")
+    with pytest.raises(ExportError, match="height error"):
+        kind.check(tmp_path / "film.3mf")
+
+
+def test_a_library_is_no_single_body(pieces, tmp_path):
+    _, kind = pieces
+    path = tmp_path / "film.step"
+    for call in (kind.check, kind.check_step, kind.check_mesh, lambda to: kind.write(to, "film")):
+        with pytest.raises(InputError, match="expected 3mf"):
+            call(path)
