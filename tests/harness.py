@@ -17,7 +17,6 @@ from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.wave import Wave
-from mpfcad.store.kernel import kept
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
 
@@ -233,8 +232,7 @@ def compiled(kernel):
     return njit(error_model="numpy", _nrt=False)(kernel.py_func)
 
 
-@kept
-@njit
+@njit(cache=True)
 def pass_layers(scene, enter_below, seed, out):
     """Send Lambertian light into a scene without cavity; out (n, 4): way, kx, ky, weight."""
     rng = np.zeros(RNG_SIZE, np.uint64)
@@ -280,8 +278,7 @@ def pass_layers(scene, enter_below, seed, out):
         out[i, 1], out[i, 2], out[i, 3] = dx, dy, weight
 
 
-@kept
-@njit
+@njit(cache=True)
 def pass_film(tiles, index, up, start, seed, out):
     """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
     rng = np.zeros(RNG_SIZE, np.uint64)

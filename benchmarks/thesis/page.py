@@ -17,7 +17,7 @@ for Highly Efficient LCD Backlights*, master's thesis, NCTU). Do not edit by han
 
 Simulated figures of the thesis stand beside the `ideal` profile (the pure parabola), measured ones
 beside `filled` (what a printed resin can make). Contrast is (Lmax - Lmin)/(Lmax + Lmin) over the
-central lamp pitch (eq. 10), without the bias of a noisy maximum ([tracing.md](tracing.md));
+central lamp pitch (eq. 10), without the bias of a noisy maximum ([intervals.md](intervals.md));
 luminance is its mean there over that of the conventional stack. In brackets: 95 % intervals of the
 Monte-Carlo noise alone. Two sets of assumed values are shown: `thesis-32in-*`, the presets, and
 `thesis-fitted-*`, the set that this page's fit finds.

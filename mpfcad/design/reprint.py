@@ -44,7 +44,8 @@ class Reprint:
     position, curvature
         (rows,) float64: in pitches from a lamp, C [1/mm]
     contrast
-        predicted lamp-Mura contrast, with the ends that the measurement's error gives it
+        predicted lamp-Mura contrast with its 95 % interval: median and quantiles over the
+        measurement's error. At the measurement itself the optimum is lower: it was searched there
     confidence
         share of the measurement's plausible truths with which the contrast is within the limit
     correction
@@ -91,10 +92,10 @@ def find_reprint(
     off = rng.standard_normal((_DRAWS, _HARMONICS)) @ root.T
     best = predict(series, response, correction)
     drawn = np.array([_contrast(best.luminance, centre, each) for each in off])
-    low, high = np.quantile(drawn, (0.025, 0.975))
+    low, middle, high = (float(end) for end in np.quantile(drawn, (0.025, 0.5, 0.975)))
     position, rows = series_rows(series)
     return Reprint(
-        position, rows, (best.contrast, float(low), float(high)), float(np.mean(drawn <= limit)),
+        position, rows, (middle, low, high), float(np.mean(drawn <= limit)),
         correction, _contrast(model, centre, np.zeros(_HARMONICS)),
     )  # fmt: skip
 

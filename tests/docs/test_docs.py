@@ -7,19 +7,34 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+import tifffile
 from command import mpfcad
+
+from mpfcad.cli import run_app
 
 DOCS = Path(__file__).parents[2] / "docs"
 #: A block of a page: its language (`sh`: run, others: written where they name a file), its text.
 BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```", re.DOTALL | re.MULTILINE)
 NAMED = re.compile(r"# file: (\S+)\n")
-PAGES = ("tutorial", "howto-backlight", "howto-led")
+PAGES = ("tutorial", "howto-backlight", "howto-led", "howto-measured")
 
 
 def blocks(page):
     text = (DOCS / f"{page}.md").read_text("utf-8")
     return [(found[1], found[2]) for found in re.findall(BLOCK, text)]
+
+
+def take_photos(folder):
+    """Write the images that the page on measured screens takes: photo, dark frame, flat field."""
+    rng = np.random.default_rng(5)
+    place = np.arange(160)
+    lens = 1 - 0.1 * ((place - 80) / 80) ** 2
+    wave = 1 + 0.006 * np.cos(2 * np.pi * (0.5 * place - 5.3) / 32.69)
+    for name, light in (("photo", 23_800 * wave * lens), ("flat", 20_000 * lens), ("dark", 0.0)):
+        counts = light + 100 + rng.normal(0, 60, (120, 160))
+        tifffile.imwrite(folder / f"{name}.tif", np.clip(counts, 0, 65_535).astype(np.uint16))
 
 
 def test_the_site_builds_strictly_and_asks_nothing_of_a_network(tmp_path):
@@ -54,10 +69,26 @@ def test_commands_of_the_how_tos_are_those_of_the_program(page):
             group.commands[name].make_context(name, arguments)
 
 
+def test_a_measured_screen_is_judged_as_its_page_says(tmp_path, monkeypatch, capsys):
+    page = blocks("howto-measured")
+    (tmp_path / "luminance.csv").write_text(NAMED.sub("", page[0][1]), "utf-8")
+    take_photos(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    lines = [line for language, text in page if language == "sh" for line in text.splitlines()]
+    alone = [line for line in lines if line.startswith("mpfcad judge") and "--against" not in line]
+    printed = []
+    for line in alone:
+        assert run_app(shlex.split(line)[1:]) == 0
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == page[2][1]
+    assert len(printed) == 4 and (tmp_path / "judged.html").is_file()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_what_a_page_tells_one_to_type_works(page, tmp_path):
     ran = 0
+    take_photos(tmp_path)
     for language, text in blocks(page):
         named = NAMED.match(text)
         if named:

@@ -5,11 +5,11 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
-from numba import uint64
+from numba import njit, uint64
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.base.kernel import entry, kernel
+from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import start_net_path
@@ -89,7 +89,7 @@ def _begin(scene, seed, path, slot, wave):
     enqueue(wave, 0, slot)
 
 
-@entry
+@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
 def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
     """Follow `count` paths from `first` on; score and flow get their sums; the rest is scratch."""
     freed = wave.freed
