@@ -18,6 +18,7 @@ from mpfcad.record import published_schema
 
 MASKS = Path(__file__).parents[1] / "masks"
 FILES = [
+    "coupons.csv",
     "curvature.csv",
     "film.step",
     "film.stl",
@@ -26,9 +27,12 @@ FILES = [
     "mask.lyrdb",
     "mask.oas",
     "mask.png",
+    "order.pdf",
     "report.html",
     "verification.json",
 ]
+#: Of a job with a mesh alone.
+PRINTED = ("coupons.csv", "order.pdf")
 SHORT = TraceSetting(half_width_goal=1.0, path_limit=100_000)
 
 
@@ -187,7 +191,9 @@ def test_ideal_film_has_no_mask_and_says_so(tmp_path, short_trace):
     out = tmp_path / "out"
     record = run_job(read_job(job), job, out, effort="quick", threads=2)
     assert record["mask"] is None
-    assert sorted(path.name for path in out.iterdir()) == [n for n in FILES if "mask" not in n]
+    assert sorted(path.name for path in out.iterdir()) == [
+        name for name in FILES if name not in PRINTED and "mask" not in name
+    ]
     assert "no mask" in (out / "report.html").read_text()
     assert run_app(["mask", str(job), "--out", str(tmp_path / "m")]) == 2
     assert not (tmp_path / "m").exists()
@@ -228,7 +234,7 @@ def test_figure_changed_together_with_its_hashes_is_found(own):
     write_manifest(own, record["name"], "run")
 
 
-@pytest.mark.parametrize("name", ["report.html", "mask.png"])
+@pytest.mark.parametrize("name", ["report.html", "mask.png", "order.pdf"])
 def test_a_forged_page_or_picture_is_found_though_every_hash_holds(own, tmp_path, name):
     from mpfcad.export import canonical_json, sha256, write_manifest
 

@@ -186,7 +186,26 @@ def print_verdict(verification: dict[str, Any], folder: Path) -> None:
         print_confidence(verification["confidence"])
         share = verification["confidence"]["probability"]["marginal"]["value"]
         likely = f" as stated; {share:.2f} likely in the real backlight"
+    elif verification.get("process") is not None:
+        likely = _print_words(verification)
     print(f"{verification['verdict']}{note}{likely}: {folder / 'report.html'}")
+
+
+def _print_words(verification: dict[str, Any]) -> str:
+    """Print how the film comes out as printed; return what is said of it beside the verdict."""
+    printed = verification.get("printed")
+    half = (verification.get("printing") or {}).get("curvature_half_width_per_mm")
+    if printed is None:
+        known = "not known" if half is None else f"± {half:.2g} /mm"
+        return f" as designed; as printed not judged (C {known})"
+    found, contrast = printed["probability"]["marginal"], printed["contrast"]
+    low, high = contrast["ci95"]
+    print(
+        f"contrast as printed {contrast['value']:.4f} [{low:.4f}, {high:.4f}]: the process sets C "
+        f"to ± {half or 0.0:.2g} /mm; at most {found['limit']:g}: {found['value']:.2f} "
+        f"[{found['ci95'][0]:.2f}, {found['ci95'][1]:.2f}] likely"
+    )
+    return f" as designed; {found['value']:.2f} likely as printed"
 
 
 def print_confidence(confidence: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from mpfcad.confidence.probability import (
     likely_contrast,
     shares_of_variance,
 )
-from mpfcad.confidence.response import Response, fit_slopes
+from mpfcad.confidence.response import Response, fit_slopes, shrink_each
 
 __all__ = [
     "STEP",
@@ -29,4 +29,5 @@ __all__ = [
     "rank_measurements",
     "read_covariance",
     "shares_of_variance",
+    "shrink_each",
 ]

@@ -22,7 +22,10 @@ class Measurement(NamedTuple):
 
 #: What laboratories do, with the uncertainties that they state.
 MEASUREMENTS = (
-    Measurement("stylus traces of printed coupons", {"resin_percent": (2.0, False)}),
+    Measurement(
+        "stylus traces of printed coupons",
+        {"resin_percent": (2.0, False), "resin_tone_percent": (2.0, False)},
+    ),
     Measurement("place of the print against the lamps", {"registration_mm": (0.05, False)}),
     Measurement(
         "depth of the cavity and height of the lamps by a gauge",

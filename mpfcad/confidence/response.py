@@ -78,6 +78,21 @@ def fit_slopes(
     return coefficient[1:], np.diag(inverse)[1:, None, None] * scatter
 
 
+def shrink_each(
+    effect: NDArray[np.float64], covariance: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return effects (k, m) with each coefficient's own noise taken off, and their covariances.
+
+    For harmonics, of which an effect has few: taken off together, the noise of those that it does
+    not have would take the effect with it.
+    """
+    noise = np.diagonal(covariance, axis1=1, axis2=2)
+    power = np.where(effect == 0, 1.0, effect**2)
+    kept = np.maximum(0.0, 1 - noise / power) * (effect != 0)
+    root = np.sqrt(kept)
+    return effect * kept, covariance * root[:, :, None] * root[:, None, :]
+
+
 def _shrink(
     effect: NDArray[np.float64], covariance: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 Effort = Literal["quick", "standard", "final"]
 _Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rows = Annotated[list[_Row], Field(min_length=2)]
+#: Standard uncertainty [%] of the resin where neither process nor job states one.
+ASSUMED_RESIN = 10.0
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
 
@@ -170,9 +172,10 @@ class ConfidenceTable(Table):
     """`[confidence]`: how well film and print are known (standard uncertainties), and the traces.
 
     `covariance` is a CSV of inputs that hang together; `names` and `matrix` are what it holds.
+    `resin_percent` is for a process that does not state its own width.
     """
 
-    resin_percent: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 10.0
+    resin_percent: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] | None = None
     registration_mm: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.3
     depth_um: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] = 0.25
     base_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 5.0
@@ -188,6 +191,11 @@ class ConfidenceTable(Table):
         if self.covariance is not None and self.names is not None:
             raise ValueError("expected either covariance or names and matrix")
         return self
+
+    @property
+    def resin_or_assumed(self) -> float:
+        """`resin_percent`, or what is assumed without one."""
+        return ASSUMED_RESIN if self.resin_percent is None else self.resin_percent
 
     def covariance_of(self) -> "tuple[list[str], NDArray[np.float64]] | None":
         """Return names and covariance (n, n) of the inputs that hang together."""

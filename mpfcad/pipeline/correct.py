@@ -62,7 +62,7 @@ def correct_print(
     found = _observe(measured, judging, pitch)
     progress.stage("estimating the model of the backlight")
     design = _design(plan)
-    constraint = design_constraint(design, process, export)
+    constraint = design_constraint(design, plan.job, process, export)
     response = _response(plan, constraint, printed, threads, progress)
     limit = plan.job.gates.contrast_pass
     reprint = find_reprint(

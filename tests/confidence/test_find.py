@@ -130,13 +130,13 @@ def test_confidence_is_the_same_again_at_any_number_of_threads(made, tmp_path):
 
 @pytest.mark.slow
 def test_harmonics_follow_full_traces_with_drawn_inputs(made, tmp_path):
-    from mpfcad.pipeline.confidence.find import _reading, _Runs
+    from mpfcad.pipeline.confidence.runs import Runs, reading_of
 
     plan, variants = made()
     lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
     luminance = luminance_over_pitch(lit, TraceRun(seed=1, threads=2), half_width_goal=0.002)
     factors = variants.factors()
-    runs = _Runs(variants, factors, _reading(luminance), 1, 2, SILENT)
+    runs = Runs(variants, factors, reading_of(luminance), 1, 2, SILENT)
     response = runs.respond(6.5).shrunk()
     steps = draw_steps(factors, np.eye(len(factors)), 9, 12)
     runs.seed = 2

@@ -25,6 +25,9 @@ from mpfcad.film.process.tone import PARAMETERS, ToneBelief
 ProcessKind = Literal["volume", "table", "tone"]
 #: Standard deviations to either side of a 95 % interval.
 NORMAL_95 = 1.959963984540054
+#: A mode of the fill's error below this share of the largest one is left out: it widens an interval
+#: by less than 5 %.
+LEAST_MODE = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +165,26 @@ class Process:
         if self.belief is not None:
             return self.belief.log_deviation(ratio)
         return None if self.log_deviation is None else np.full(ratio.shape, self.log_deviation)
+
+    def fill_modes(self, aperture_ratio: ArrayLike) -> NDArray[np.float64] | None:
+        """Return what is not known of the print as modes, (k, n) float64; None when not known.
+
+        ln fill of n ratios = that of the mean + Σ z_k mode_k with independent standard normal z:
+        principal axes of its covariance. The first is how all fills go up and down together, the
+        second how large ratios go against small ones. Modes below `LEAST_MODE` of the first are
+        left out.
+        """
+        ratio = np.atleast_1d(np.asarray(aperture_ratio, float))
+        if self.belief is not None:
+            root = self.belief.log_root(ratio)
+        elif self.log_deviation is not None:
+            root = np.full((len(ratio), 1), self.log_deviation)
+        else:
+            return None
+        left, size, _ = np.linalg.svd(root, full_matrices=False)
+        kept = max(1, int(np.sum(size > LEAST_MODE * size[0])))
+        modes = (left * size).T[:kept]
+        return modes * np.where(modes.sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
 
     def curvature_interval(
         self, aperture_ratio: ArrayLike

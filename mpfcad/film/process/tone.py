@@ -97,9 +97,14 @@ class ToneBelief:
 
         By the gradient; where nothing is printed at the mean, it is taken a hair above.
         """
+        return np.sqrt(np.sum(self.log_root(aperture_ratio) ** 2, axis=1))
+
+    def log_root(self, aperture_ratio: ArrayLike) -> NDArray[np.float64]:
+        """Return a root of ln(fill)'s covariance at k ratios, root @ root.T; (k, 4) float64."""
         ratio = np.maximum(np.asarray(aperture_ratio, float), self.mean[1] + 1e-3)
+        value, vector = np.linalg.eigh(self.covariance)
         slope = log_gradient(self.mean, ratio)
-        return np.sqrt(np.einsum("ki,ij,kj->k", slope, self.covariance, slope))
+        return np.asarray(slope @ (vector * np.sqrt(np.maximum(value, 0.0))), np.float64)
 
     def scaled(self, factor: float, log_deviation: float = 0.0) -> "ToneBelief":
         """Return the belief with the transfer factor multiplied, and widened by a relative σ."""

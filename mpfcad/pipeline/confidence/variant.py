@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.backlight.width import limits_of, width_of
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
 RESIN, SHIFT, DEPTH, BASE = "resin_percent", "registration_mm", "depth_um", "base_um"
+#: How resin in large apertures goes against that in small ones, where the process knows it.
+TONE = "resin_tone_percent"
 _REASON = {
-    RESIN: "resin in all grooves; the built-in process is known no better",
+    RESIN: "resin in all grooves, assumed: the process does not state its width",
+    TONE: "",
     SHIFT: "place of the film against the lamps",
     DEPTH: "depth of the prisms, at equal fill",
     BASE: "thickness below the prisms",
@@ -124,21 +128,53 @@ class Variants:
         sizes = {SHIFT: self.table.registration_mm}
         if self.has_grooves:
             sizes |= {DEPTH: self.table.depth_um, BASE: self.table.base_um}
-            if float(np.max(self.plan.piece.fill_fraction)) > 0:
-                sizes[RESIN] = self.table.resin_percent
+            sizes |= self._of_print()
         if np.ptp(self.plan.piece.curvature) == 0:
             # Alike grooves are nowhere wrong.
             del sizes[SHIFT]
-        low = {RESIN: -100.0, BASE: -self.plan.piece.base * 1000 * 0.9}
+        low = {
+            RESIN: -100.0 if self._modes is None else -np.inf,
+            BASE: -self.plan.piece.base * 1000 * 0.9,
+        }
         low[DEPTH] = -self.plan.piece.groove.depth * 1000 * 0.9
         return [
             Factor(
-                name, 0.0, size, low.get(name, -np.inf), source=_REASON[name],
-                is_curved=name == RESIN,
+                name, 0.0, size, low.get(name, -np.inf), source=self._reason(name),
+                is_curved=name in (RESIN, TONE),
             )
             for name, size in sizes.items()
             if size > 0
         ]  # fmt: skip
+
+    @cached_property
+    def _modes(self) -> NDArray[np.float64] | None:
+        """What the process does not know of ln(fill) of the piece's grooves, (k, n)."""
+        process, piece = self.plan.process, self.plan.piece
+        if process is None:
+            return None
+        modes = process.fill_modes(process.aperture_ratio_of_curvature(piece.curvature))
+        return None if modes is None else modes[:2]
+
+    def print_factors(self) -> list[Factor]:
+        """Return what the process itself does not know of the print; empty where it states none."""
+        if not self.has_grooves or self._modes is None:
+            return []
+        return [factor for factor in self._of_film() if factor.name in (RESIN, TONE)]
+
+    def _of_print(self) -> dict[str, float]:
+        """Return the widths of the resin [%]: the process's, else `[confidence]`'s."""
+        if float(np.max(self.plan.piece.fill_fraction)) <= 0:
+            return {}
+        if self._modes is None:
+            return {RESIN: self.table.resin_or_assumed}
+        size = 100 * np.sqrt(np.mean(self._modes**2, axis=1))
+        return dict(zip((RESIN, TONE), size.tolist(), strict=False))
+
+    def _reason(self, name: str) -> str:
+        if name not in (RESIN, TONE) or self._modes is None or self.plan.process is None:
+            return _REASON[name]
+        of = "all grooves" if name == RESIN else "large apertures against small ones"
+        return f"resin in {of}, by the process: {self.plan.process.source}"
 
     def light(self, steps: Mapping[Factor, float]) -> Lit:
         """Return the scene with inputs changed by steps of their sigma."""
@@ -149,7 +185,7 @@ class Variants:
 
     def _film(self, change: Mapping[str, float]) -> Path:
         """Return the mesh of the film as shipped, or of one written with its making changed."""
-        if not {RESIN, DEPTH, BASE} & set(change):
+        if not {RESIN, TONE, DEPTH, BASE} & set(change):
             return self.folder / "film.stl"
         from mpfcad.cad import write_stl
 
@@ -160,10 +196,20 @@ class Variants:
     def _changed(self, change: Mapping[str, float]) -> PrismFilm:
         piece = self.plan.piece
         groove = replace(piece.groove, depth=piece.groove.depth + change.get(DEPTH, 0.0) / 1000)
-        fill = piece.fill_fraction * (1 + change.get(RESIN, 0.0) / 100)
+        fill = piece.fill_fraction * self._resin(change)
         curvature = groove.curvature_of_fill(np.clip(fill, 0, _FULL))
         base = piece.base + change.get(BASE, 0.0) / 1000
         return replace(piece, groove=groove, base=base, curvature=curvature)
+
+    def _resin(self, change: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the factor of each groove's resin, (n,)."""
+        modes = self._modes
+        if modes is None:
+            return np.full(self.plan.piece.groove_count, 1 + change.get(RESIN, 0.0) / 100)
+        found = np.zeros(modes.shape[1])
+        for name, mode in zip((RESIN, TONE), modes, strict=False):
+            found += mode * change.get(name, 0.0) / (100 * np.sqrt(np.mean(mode**2)))
+        return np.exp(found)
 
 
 def _content(value: object) -> object:

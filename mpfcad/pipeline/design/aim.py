@@ -7,19 +7,25 @@ import numpy as np
 from mpfcad.design import Constraint, Goal
 from mpfcad.errors import InputError
 from mpfcad.film import Process
+from mpfcad.job import Job
 from mpfcad.job.design import Design
-from mpfcad.pipeline.plan.screen import mask_rules
+from mpfcad.mask.rule import ratio_range
+from mpfcad.pipeline.plan.printable import printable_range
+from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
+from mpfcad.units import um
 
 #: What the luminance is worth against contrast when it is to be the most within a contrast.
 _LUMINANCE_FIRST = 0.2
 #: Curvatures that a mould of an `ideal` film may have unless the design says otherwise [1/mm].
 IDEAL_CURVATURE_MAX = 100.0
-#: Share of the printable range of aperture ratio left to the rounding of the mask.
-_RATIO_MARGIN = 0.01
 
 
-def design_constraint(design: Design, process: Process | None, file: Path) -> Constraint:
-    """Return the constraints, the printable range of C among them.
+def design_constraint(design: Design, job: Job, process: Process | None, file: Path) -> Constraint:
+    """Return the constraints, among them what is printed: the range of C, and how steep it may be.
+
+    `job` is that of any map of the design.
+    Through a mesh a print that is shifted by `mask.registration_um` may change no groove by more
+    than `gates.registration_curvature_per_mm`.
 
     Raises
     ------
@@ -29,7 +35,8 @@ def design_constraint(design: Design, process: Process | None, file: Path) -> Co
     table = design.constraint
     low, high = table.curvature_min_per_mm, table.curvature_max_per_mm
     if process is not None:
-        printable = _printable_range(process, design)
+        rules = mask_rules(job.mask, str(file), _levelling(job, process, file))
+        printable = printable_range(process, rules, job.gates, str(file))
         low, high = max(low, printable[0]), min(high or np.inf, printable[1])
     high = high or IDEAL_CURVATURE_MAX
     if high - low < 1e-3:
@@ -37,7 +44,26 @@ def design_constraint(design: Design, process: Process | None, file: Path) -> Co
             f"{file}: constraint.curvature_max_per_mm: {high:.4g}: must be above the "
             f"smallest curvature {low:.4g}, of the constraint and of what can be printed"
         )
-    return Constraint(low, high, table.change_max_per_mm2, table.harmonics)
+    return Constraint(low, high, _change_max(design, job, process), table.harmonics)
+
+
+def _change_max(design: Design, job: Job, process: Process | None) -> float:
+    """Return how much C may change [1/mm per mm] across."""
+    stated, shift = design.constraint.change_max_per_mm2, job.mask.registration_um * um
+    if process is None or job.mask.mesh is None or shift == 0:
+        return stated
+    return min(stated, job.gates.registration_curvature_per_mm / shift)
+
+
+def _levelling(job: Job, process: Process, file: Path) -> float | None:
+    """Return the levelling length [mm] of the least filled groove that is ever printed."""
+    if job.process.flow is None:
+        return None
+    rules = mask_rules(job.mask, str(file))
+    low, _ = ratio_range(rules, process.groove.pitch, rules.period)
+    if rules.mesh is not None:
+        low = max(low, job.gates.ratio_min)
+    return job_levelling(job, process, process.groove, low, str(file))
 
 
 def design_goal(design: Design) -> Goal:
@@ -49,14 +75,3 @@ def design_goal(design: Design) -> Goal:
         return Goal(luminance_weight=table.luminance_weight, registration=shift)
     # Half the target is left to the interval of the trace.
     return Goal(table.contrast_target / 2, _LUMINANCE_FIRST, shift)
-
-
-def _printable_range(process: Process, design: Design) -> tuple[float, float]:
-    """Return the smallest and largest C [1/mm] that process and mask rules print."""
-    from mpfcad.mask.rule import ratio_range
-
-    rules = mask_rules(design.mask, design.name)
-    low, high = ratio_range(rules, process.groove.pitch, design.mask.period)
-    low, high = low * (1 + _RATIO_MARGIN), high * (1 - _RATIO_MARGIN)
-    high = min(high, process.aperture_ratio_max)
-    return float(process.curvature(high)), float(process.curvature(low))

@@ -28,6 +28,7 @@ def describe_design(
             "curvature_max_per_mm": constraint.curvature_max,
             "change_max_per_mm2": constraint.change_max,
         },
+        "screen": None if work.process is None else work.screen,
         "lamp_pitch_mm": work.pitch,
         "model": work.model,
         "reach": reach,

@@ -25,11 +25,14 @@ from mpfcad.job import build_job
 from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
+from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.plan.process import read_job_process
+from mpfcad.pipeline.plan.screen import screen_mesh
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad
+from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import Store
 
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
@@ -43,8 +46,8 @@ class DesignWork:
     """A design being searched."""
 
     def __init__(self, design: Design, file: Path, threads: int, progress: Progress) -> None:
+        design, job = with_design_screen(design, file)
         self.design, self.file, self.threads, self.progress = design, file, threads, progress
-        job = build_job(design.job_document("map.csv"), str(file))
         self.stack = read_job_stack(job, file)
         self.groove = design.film.groove
         calibration = design.process.calibration
@@ -52,8 +55,10 @@ class DesignWork:
             job, None if calibration is None else file.parent / calibration, self.groove, str(file)
         )
         self.pitch = self.stack.period.across
-        self.constraint = design_constraint(design, self.process, file)
+        self.constraint = design_constraint(design, job, self.process, file)
         self.goal = design_goal(design)
+        mesh = job.mask.mesh
+        self.screen = PHOTOTOOL_ONLY if mesh is None else screen_mesh(mesh, str(file)).name
         self.state = KeptTraces(Store.open(progress.note), self._inputs())
         self.model: dict[str, Any] | None = None
 
@@ -193,7 +198,9 @@ class DesignWork:
             if file is not None:
                 document[table][key] = str(Path(back) / file)
         build_job(document, str(self.file))
-        head = f"# Found by mpfcad design {self.file.name}\n# mpfcad run {name}.toml\n"
+        lines = (f"Found by mpfcad design {self.file.name}", f"screen: {self.screen}",
+                 f"mpfcad run {name}.toml")  # fmt: skip
+        head = "".join(f"# {line}\n" for line in lines)
         write_text(folder / f"{name}.toml", head + tomli_w.dumps(document))
 
     def best(self, done: list[Iteration]) -> Iteration:

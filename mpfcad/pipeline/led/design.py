@@ -18,6 +18,7 @@ from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, check_films,
 from mpfcad.pipeline.led.search import LedSearch, Tried
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.record.printing import PHOTOTOOL_ONLY
 
 RECORD, MAP = "design.json", "curvature-cell.npz"
 
@@ -86,6 +87,8 @@ def run_led_design(
             "schema": 1,
             "name": design.name,
             "design": design.document(),
+            # Of films under LEDs no mask is written yet, so no screen limits them.
+            "screen": PHOTOTOOL_ONLY,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.period),
             "series_per_mm": best.map.coefficient.tolist(),

@@ -50,6 +50,7 @@ def read_job_process(
         process = _by_volume(job, mesh, model, groove)
     if mesh is not None:
         _refuse_impossible(process, mesh, job.process.solids_fraction, where)
+    _refuse_width(job, process, where)
     return process
 
 
@@ -58,6 +59,16 @@ def with_reason(process: Process | None, reason: str | None) -> Process | None:
     if process is None or reason is None:
         return process
     return replace(process, caveats=(*process.caveats, f"chosen by the program: {reason}"))
+
+
+def _refuse_width(job: Job, process: Process, where: str) -> None:
+    """Refuse a second width of the resin beside the process's own."""
+    stated = None if job.confidence is None else job.confidence.resin_percent
+    if stated is not None and process.fill_deviation(0.5) is not None:
+        raise InputError(
+            f"{where}: confidence.resin_percent: {stated:g}: expected to be left out: the process "
+            f"states how well it sets the resin"
+        )
 
 
 def _refuse_release(job: Job, calibration: Path | None, where: str) -> None:

@@ -17,9 +17,11 @@ from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.plan.printable import printable_range
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
 from mpfcad.pipeline.progress import SILENT
-from mpfcad.pipeline.run.make import write_cad
+from mpfcad.pipeline.run.make import job_rules, write_cad
+from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import work_key
 from mpfcad.units import deg
 
@@ -171,6 +173,30 @@ def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
     return shift
 
 
+def describe_point_screen(plan: Plan) -> str | None:
+    """Return the screen that prints a point's film, or why it does not; None: no print makes it."""
+    if plan.process is None:
+        return None
+    job, where = plan.job, plan.job.name
+    if job.mask.mesh is None:
+        return PHOTOTOOL_ONLY
+    rules = job_rules(job, plan.field_film or plan.panel, plan.process)
+    assert rules.mesh is not None  # the job names one
+    try:
+        low, high = printable_range(plan.process, rules, job.gates, where)
+    except InputError as error:
+        return f"not printed: {error}"
+    curvature = plan.panel.curvature
+    is_open = curvature < plan.panel.groove.curvature_empty * (1 - 1e-12)
+    found = curvature[is_open]
+    if found.size and (found.min() < low or found.max() > high):
+        return (
+            f"not printed by {rules.mesh.name}: C {found.min():.4g} … {found.max():.4g} /mm: "
+            f"expected {low:.4g} … {high:.4g}"
+        )
+    return rules.mesh.name
+
+
 def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     """Return the figures of a point, in outside names."""
     from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
@@ -195,6 +221,7 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
         "curvature_min_per_mm": float(plan.piece.curvature.min()),
         "curvature_max_per_mm": float(plan.piece.curvature.max()),
         "search": searched,
+        "screen": describe_point_screen(plan),
         **describe_luminance(found),
     }
 

@@ -28,6 +28,7 @@ from mpfcad.measure import (
     luminance_over_pitch,
 )
 from mpfcad.pipeline.confidence.find import find_confidence
+from mpfcad.pipeline.confidence.printed import find_printed
 from mpfcad.pipeline.effort import TraceSetting, available_threads
 from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
@@ -74,6 +75,9 @@ class Findings:
         what the screen prints; None without a mask
     confidence
         how likely the limits are met, in outside names; None where the job does not ask for it
+    printed
+        the same over what the process does not know of its print; None where that is not known,
+        and where the confidence holds it already
     """
 
     mask: dict[str, MaskCheck]
@@ -90,6 +94,7 @@ class Findings:
     baseline: LuminanceResult
     printing: Printing | None = None
     confidence: dict[str, Any] | None = None
+    printed: dict[str, Any] | None = None
 
 
 def examine(
@@ -123,9 +128,11 @@ def examine(
         progress.stage(f"tracing a plain BEF in {preset}")
         lit = light_baseline(plan.job.cad.angle_tolerance, preset)
         baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-    confidence = None
+    confidence = printed = None
     if plan.job.wants_confidence and luminance is not None:
         confidence = find_confidence(folder, plan, luminance, run.threads, progress)
+    elif luminance is not None:
+        printed = find_printed(folder, plan, luminance, run.threads, progress)
     wanted = None if mask is None else mask.wanted_ratio
     printing = None
     if mask is not None and plan.process is not None:
@@ -137,7 +144,7 @@ def examine(
     return Findings(
         found.mask, found.step, found.mesh, found.agreement, found.gates, difference, resin,
         before, wanted, luminance, plain, baseline, printing,
-        confidence,
+        confidence, printed,
     )  # fmt: skip
 
 

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from mpfcad.errors import InputError
+from mpfcad.export import sha256, write_text
 from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, Phototool
@@ -17,6 +19,8 @@ from mpfcad.units import mm, um
 #: Formats that hold closed drawings of any pattern, and of patterns with one array a groove.
 CLOSED_ANY, CLOSED_LATTICE = ("gbr", "svg", "tif"), ("oas", "gds", "gbr", "svg", "tif")
 INCH = 25.4 * mm
+#: The order sheet, and the coupons of its step wedge.
+ORDER, COUPONS = "order.pdf", "coupons.csv"
 
 
 def phototool(job: Job, mask: Mask, process: Process) -> Phototool:
@@ -52,6 +56,27 @@ def order_terms(job: Job) -> OrderTerms:
 def job_order(job: Job, mask: Mask, process: Process) -> dict[str, Any]:
     """Return the facts of a job's order."""
     return describe_order(mask, process, bare_phototool(job), order_terms(job))
+
+
+def write_job_order(
+    folder: Path,
+    order: dict[str, Any],
+    printability: str | None,
+    formats: Sequence[str],
+    masks: Path | None = None,
+) -> None:
+    """Write order.pdf and the list of coupons for `mpfcad calibrate`.
+
+    `masks` is where the mask files are whose hashes the sheet states; None: in `folder`.
+    """
+    from mpfcad.mask.screen.order import coupon_table
+    from mpfcad.mask.screen.order_sheet import write_order
+
+    names = [f"mask.{suffix}" for suffix in formats]
+    hashes = {name: sha256((masks or folder) / name) for name in names}
+    write_order(folder / ORDER, order, printability, hashes)
+    if order["coupon_aperture_ratio"]:
+        write_text(folder / COUPONS, coupon_table(order))
 
 
 def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str) -> None:

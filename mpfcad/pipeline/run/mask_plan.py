@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mpfcad.export import sha256, write_text
 from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
@@ -19,11 +18,8 @@ from mpfcad.pipeline.plan.propose import Proposal, propose, with_screen
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
-from mpfcad.pipeline.run.mask_order import job_order, phototool
+from mpfcad.pipeline.run.mask_order import job_order, phototool, write_job_order
 from mpfcad.record.printing import mask_gates, print_gates, printability
-
-#: The order sheet, and the coupons of its step wedge.
-ORDER, COUPONS = "order.pdf", "coupons.csv"
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +71,7 @@ class MaskPlan:
 
     def write_order(self, folder: Path, screen: dict[str, Any], formats: Sequence[str]) -> None:
         """Write order.pdf and the list of coupons for `mpfcad calibrate`."""
-        from mpfcad.mask.screen.order import coupon_table
-        from mpfcad.mask.screen.order_sheet import write_order
-
-        names = [f"mask.{suffix}" for suffix in formats]
-        hashes = {name: sha256(folder / name) for name in names}
-        write_order(folder / ORDER, screen["order"], screen["printability"], hashes)
-        if screen["order"]["coupon_aperture_ratio"]:
-            write_text(folder / COUPONS, coupon_table(screen["order"]))
+        write_job_order(folder, screen["order"], screen["printability"], formats)
 
 
 def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:

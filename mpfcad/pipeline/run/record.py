@@ -81,6 +81,7 @@ def build_record(
             findings.luminance.mean_luminance.value,
         ),
         confidence=findings.confidence,
+        printed=findings.printed,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),

@@ -7,6 +7,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.gate import demand
 from mpfcad.job import Job
+from mpfcad.mask import Mask
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
@@ -25,7 +26,13 @@ from mpfcad.pipeline.run.make import (
     write_masks,
     write_tiles,
 )
-from mpfcad.pipeline.run.mask_order import phototool, refuse_mask_formats
+from mpfcad.pipeline.run.mask_order import (
+    ORDER,
+    job_order,
+    phototool,
+    refuse_mask_formats,
+    write_job_order,
+)
 from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
 from mpfcad.pipeline.run.repair import repair_mesh
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
@@ -96,7 +103,7 @@ def _browser() -> str:
 def _examine_and_report(
     folder: Path,
     plan: Plan,
-    mask: Any,
+    mask: Mask | None,
     job_file: Path,
     effort: str,
     threads: int | None,
@@ -114,6 +121,7 @@ def _examine_and_report(
     provenance = build_provenance(plan, job_file, effort)
     record = build_record(folder, plan, findings, setting, provenance)
     write_text(folder / VERIFICATION, canonical_json(record))
+    write_run_order(folder, plan, mask, record, progress)
     progress.stage("writing report.html")
     write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
     if browser is not None:
@@ -123,6 +131,22 @@ def _examine_and_report(
         write_pdf(folder / REPORT, folder / PRINTED, browser)
     write_manifest(folder, plan.job.name, "run")
     return record
+
+
+def write_run_order(
+    folder: Path,
+    plan: Plan,
+    mask: Mask | None,
+    record: dict[str, Any],
+    progress: Progress,
+    masks: Path | None = None,
+) -> None:
+    """Write order.pdf and coupons.csv of a film that is printed through a mesh, into `folder`."""
+    if mask is None or plan.process is None or mask.rules.mesh is None:
+        return
+    progress.stage(f"writing {ORDER}")
+    order = job_order(plan.job, mask, plan.process)
+    write_job_order(folder, order, record["printability"], plan.job.mask.formats, masks)
 
 
 def make_mask(

@@ -10,7 +10,8 @@ from mpfcad.errors import ExportError, InputError, MpfcadError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.run.run import REPORT, VERIFICATION
+from mpfcad.pipeline.run.mask_order import ORDER
+from mpfcad.pipeline.run.run import REPORT, VERIFICATION, write_run_order
 from mpfcad.record import Rounded, compare_records
 from mpfcad.store import Store, code_hash, versions
 
@@ -109,6 +110,8 @@ def _find_again(
         progress.stage("drawing the report again")
         with tempfile.TemporaryDirectory() as temporary:
             write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
+            if (folder / ORDER).is_file():
+                write_run_order(Path(temporary), plan, mask, record, progress, masks=folder)
             pages = {path.name: path.read_bytes() for path in sorted(Path(temporary).iterdir())}
         evidence = gather_evidence(folder, plan, mask, findings)
         pages[REPORT] = build_page(record, evidence).encode()

@@ -57,12 +57,14 @@ def _films(record: Record) -> list[tuple[str, Record]]:
 
 def _with_widths(record: Record, films: list[tuple[str, Record]]) -> list[tuple[str, Record]]:
     """Return the films, this one once more with all inputs' widths where these are known."""
-    found = record.get("confidence")
+    found, words = record.get("confidence"), "this film, with all widths"
+    if not found:
+        found, words = record.get("printed"), "this film, as printed"
     if not found:
         return films
     return [
         films[0],
-        ("this film, with all widths", {"lamp_mura_contrast": found["contrast"]}),
+        (words, {"lamp_mura_contrast": found["contrast"]}),
         *films[1:],
     ]
 
@@ -217,7 +219,7 @@ def _process_words(record: Record) -> str:
     words = caveats[0] if caveats else "calibrated"
     half = (record.get("printing") or {}).get("curvature_half_width_per_mm")
     if half:
-        words += f"; it sets C to ± {half:.2g} /mm (95 %), which the verdict leaves out"
+        words += f"; it sets C to ± {half:.2g} /mm (95 %)"
     return words + "."
 
 

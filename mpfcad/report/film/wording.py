@@ -145,7 +145,28 @@ def verdict_sentence(record: dict[str, Any]) -> str:
             " Phototool only: the job names no mesh, so nothing is said of whether a screen "
             "prints it."
         )
-    return words
+    return words + print_sentence(record)
+
+
+def print_sentence(record: dict[str, Any]) -> str:
+    """Return what a print makes of it, beside the verdict; empty where that is in it, or no print.
+
+    The contrast's own interval is the trace's noise.
+    """
+    if record.get("process") is None or "confidence" in record:
+        return ""
+    half = (record.get("printing") or {}).get("curvature_half_width_per_mm")
+    known = "is not known" if half is None else f"is ± {half:.2g} /mm (95 %)"
+    words = f" That is the film as designed. How well the process sets C {known}"
+    printed = record.get("printed")
+    if printed is None:
+        return f"{words}: the verdict leaves it out. Print the step wedge and calibrate."
+    low, high = printed["contrast"]["ci95"]
+    found = printed["probability"]["marginal"]
+    return (
+        f"{words}: as printed the contrast lies between {low:.4f} and {high:.4f} (95 %) and is at "
+        f"most {found['limit']:g} with a probability of {found['value']:.0%}."
+    )
 
 
 def label_of(name: str) -> str:

@@ -46,6 +46,8 @@ def _result(record: dict[str, Any]) -> list[tuple[str, str]]:
         ("mean normal luminance [cd/m²]", with_interval(best["mean_luminance_cd_m2"], 0)),
         ("paths of all traces", f"{record['paths'] / 1e6:.2f} million"),
     ]
+    if record.get("screen"):
+        facts.append(("screen that the map is limited to", str(record["screen"])))
     if record["model"]:
         model = record["model"]
         facts.append(

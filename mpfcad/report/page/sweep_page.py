@@ -77,6 +77,7 @@ def _points(record: dict[str, Any]) -> dict[str, Any]:
             with_interval(one["mean_luminance_cd_m2"], 0),
             number(one["local_shift_mm"], 4),
             number(one["paths"]),
+            one.get("screen") or "none: not printed",
         ]
         for one in record["points"]
     ]
@@ -86,8 +87,9 @@ def _points(record: dict[str, Any]) -> dict[str, Any]:
         "mean luminance [cd/m²]",
         "shift [mm]",
         "paths",
+        "screen",
     )
-    return {"head": head, "rows": rows, "numeric": range(len(axes), len(head))}
+    return {"head": head, "rows": rows, "numeric": range(len(axes), len(head) - 1)}
 
 
 def curves_figure(record: dict[str, Any]) -> "go.Figure":

@@ -1,0 +1,56 @@
+"""The contrast of the film as printed: what the process does not know of it, traced.
+
+Three runs with less resin, as it is, and more (five where large and small apertures go apart),
+each a share of the film's own trace, with common random numbers. The curve's harmonics follow in
+second order, as for the confidence in everything (`find`).
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpfcad.confidence import draw_steps, likely_contrast
+from mpfcad.measure import LuminanceResult
+from mpfcad.pipeline.confidence.find import describe_estimate, variants_of
+from mpfcad.pipeline.confidence.runs import Runs, reading_of
+from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.progress import Progress
+
+#: Paths of each run over those of the film's own trace.
+_SHARE = 0.2
+
+
+def find_printed(
+    folder: Path, plan: Plan, luminance: LuminanceResult, threads: int, progress: Progress
+) -> dict[str, Any] | None:
+    """Return the contrast over what the process does not know of its print, in outside names.
+
+    None where the process states no width, or no changed film is made of this kind, or the
+    backlight has no endless pitch.
+    """
+    if plan.stack.extent != "pitch" or plan.stack.period.along != 0:
+        return None
+    with variants_of(plan, folder) as variants:
+        factors = variants.print_factors()
+        if not factors:
+            return None
+        progress.stage("tracing the film with less and more resin")
+        runs = Runs(variants, factors, reading_of(luminance), plan.job.seed, threads, progress)
+        response = runs.respond_alone(_SHARE * luminance.paths)
+    steps = draw_steps(factors, np.eye(len(factors)), plan.job.seed)
+    gates = plan.job.gates
+    limits = {"pass": gates.contrast_pass, "marginal": gates.contrast_marginal}
+    likely = {
+        name: likely_contrast(response, steps, limit, plan.job.seed)
+        for name, limit in limits.items()
+    }
+    return {
+        "probability": {
+            name: {"limit": limits[name], **describe_estimate(one.probability)}
+            for name, one in likely.items()
+        },
+        "contrast": describe_estimate(likely["marginal"].contrast),
+        "inputs": [{"name": f.name, "sigma": f.sigma, "source": f.source} for f in factors],
+        "paths": runs.paths,
+    }

@@ -1,0 +1,175 @@
+"""Traces of a job with inputs changed, and what is read off each luminance over the pitch."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.confidence import (
+    STEP,
+    Factor,
+    Response,
+    factorial_steps,
+    fit_slopes,
+    shrink_each,
+)
+from mpfcad.measure import POINTS, HarmonicFit, LuminanceResult, fit_harmonics
+from mpfcad.measure.contrast.fit import basis
+from mpfcad.pipeline.confidence.variant import Variants
+from mpfcad.pipeline.progress import Progress
+
+#: A curved input's two runs and the middle have so many times the paths of a factorial run.
+_CURVED = 6
+_FINE = 128
+_POSITION = np.linspace(0, 1, POINTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What is read off a luminance over the pitch: relative coefficients of a fixed basis.
+
+    Harmonics, or where the curve `is_sharp` its points.
+    """
+
+    gain: NDArray[np.float64]
+    fine: NDArray[np.float64]
+    start: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    is_sharp: bool
+
+    def read(self, luminance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the coefficients over the mean, (m,)."""
+        found = self.gain @ luminance
+        return found[1:] / found[0]
+
+    def spread(self, luminance: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray:
+        """Return the coefficients' covariance for points with such errors, (m, m)."""
+        mean = float((self.gain @ luminance)[0])
+        part = self.gain[1:] * (error / mean)
+        return part @ part.T
+
+
+def reading_of(result: LuminanceResult) -> Reading:
+    """Return harmonics as many as the film's own curve has, or its points where it is sharp."""
+    value, error = result.luminance, result.standard_error
+    if result.curve.is_sharp:
+        mean = np.full((1, POINTS), 1 / POINTS)
+        gain = np.vstack([mean, np.eye(POINTS) - mean])
+        fine = np.eye(POINTS)
+    else:
+        fit: HarmonicFit = fit_harmonics(_POSITION, value, np.full(POINTS, error.mean()), np.inf)
+        gain = fit.gain
+        fine = basis(np.arange(_FINE) / _FINE, fit.harmonics)[:, 1:]
+    is_sharp = result.curve.is_sharp
+    reading = Reading(gain, fine, np.zeros(0), np.zeros((0, 0)), is_sharp)
+    return Reading(gain, fine, reading.read(value), reading.spread(value, error), is_sharp)
+
+
+class Runs:
+    """Traces with inputs changed, all with the same random numbers."""
+
+    def __init__(
+        self,
+        variants: Variants,
+        factors: list[Factor],
+        reading: Reading,
+        seed: int,
+        threads: int,
+        progress: Progress,
+    ) -> None:
+        self.variants, self.factors, self.reading = variants, factors, reading
+        self.seed, self.threads, self.progress = seed, threads, progress
+        self.paths = 0
+
+    def respond(self, paths_million: float) -> Response:
+        """Return how the curve follows the inputs, from about so many paths in the factorial."""
+        steps = factorial_steps(len(self.factors))
+        steps = np.stack([f.within(steps[:, i]) for i, f in enumerate(self.factors)], axis=1)
+        blocks = max(2, round(paths_million * 1e6 / (len(steps) * POINTS * 512)))
+        found = []
+        for number, row in enumerate(steps, 1):
+            self.progress.stage(f"confidence: run {number} of {len(steps)} with inputs changed")
+            found.append(self._trace(row, blocks)[0])
+        slope, slope_covariance = fit_slopes(steps, np.array(found))
+        self.progress.stage("confidence: second order of the resin")
+        bend, bend_covariance, _, _ = self._bends(slope.shape, _CURVED * blocks)
+        return self._response(slope, slope_covariance, bend, bend_covariance)
+
+    def respond_alone(self, paths: float) -> Response:
+        """Return how the curve follows the inputs, each changed alone, in runs of so many paths."""
+        blocks = max(2, round(paths / (POINTS * 512)))
+        shape = (len(self.factors), len(self.reading.start))
+        bend, bend_covariance, slope, slope_covariance = self._bends(shape, blocks)
+        if not self.reading.is_sharp:
+            bend, bend_covariance = shrink_each(bend, bend_covariance)
+            slope, slope_covariance = shrink_each(slope, slope_covariance)
+        return self._response(slope, slope_covariance, bend, bend_covariance)
+
+    def _response(
+        self,
+        slope: NDArray[np.float64],
+        slope_covariance: NDArray[np.float64],
+        bend: NDArray[np.float64],
+        bend_covariance: NDArray[np.float64],
+    ) -> Response:
+        reading = self.reading
+        return Response(
+            reading.start, reading.covariance, slope, slope_covariance, bend, bend_covariance,
+            reading.fine,
+        )  # fmt: skip
+
+    def _bends(self, shape: tuple[int, int], blocks: int) -> tuple[NDArray, ...]:
+        """Return second and first order of the curved inputs, each with its covariance, else 0."""
+        curved = [i for i, f in enumerate(self.factors) if f.is_curved]
+        bend, slope = np.zeros(shape), np.zeros(shape)
+        bend_covariance, slope_covariance = (
+            np.zeros((*shape, shape[1])),
+            np.zeros((*shape, shape[1])),
+        )
+        if curved:
+            middle = self._trace(np.zeros(len(self.factors)), blocks)
+            for i in curved:
+                bend[i], bend_covariance[i], slope[i], slope_covariance[i] = self._bend(
+                    i, middle, blocks
+                )
+        return bend, bend_covariance, slope, slope_covariance
+
+    def _bend(
+        self, number: int, middle: tuple[NDArray, NDArray], blocks: int
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Return b and a of y = y0 + a z + b z² through three runs, each with its covariance.
+
+        The runs share their random numbers, so errors taken as independent are too large.
+        """
+        step = np.zeros(len(self.factors))
+        ends = []
+        for sign in (-1.0, 1.0):
+            step[number] = float(self.factors[number].within(np.array(sign * STEP)))
+            ends.append((step[number], *self._trace(step, blocks)))
+        (low, below, below_spread), (high, above, above_spread) = ends
+        span = high - low
+        found = []
+        for one, other in (
+            (1 / (high * span), -1 / (low * span)),
+            (-low / (high * span), high / (low * span)),
+        ):
+            found.append(one * (above - middle[0]) + other * (below - middle[0]))
+            found.append(
+                one**2 * above_spread + other**2 * below_spread + (one + other) ** 2 * middle[1]
+            )
+        return found[0], found[1], found[2], found[3]
+
+    def _trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
+        """Return the coefficients of a run and their covariance."""
+        from mpfcad.optics.engine import trace
+        from mpfcad.optics.source import EYE, Source
+
+        lit = self.variants.light(dict(zip(self.factors, steps.tolist(), strict=True)))
+        stack = lit.stack
+        source = Source(
+            EYE, _POSITION * stack.period.across, lit.spot.width, acceptance=stack.acceptance
+        )
+        tally = trace(lit.scene, source, blocks, seed=self.seed, threads=self.threads)
+        self.paths += tally.total_paths
+        spread = self.reading.spread(tally.radiance, tally.radiance_error)
+        return self.reading.read(tally.radiance), spread
