@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove_tip import Flank, round_tips
+from mpfcad.film.measured_section import measured_section
 from mpfcad.film.section import ARC, LINE, PARABOLA, Section, join_pieces
 from mpfcad.units import nm, um
 
 #: Parts narrower than this are merged into their neighbours unless asked otherwise.
 SLIVER = 10 * nm
-#: Resin over that of the measured groove for which its shape still tells that of another.
-MEASURED_SHARE = 0.5, 2.0
 #: The smallest radius drawn: below it a tip is sharp to every tool and every reader.
 SMALLEST_RADIUS = 0.2 * um
 
@@ -34,9 +33,9 @@ class Imperfection:
     tip_radius, valley_radius
         0 is sharp
     measured
-        (k, 2) float64 or None: x from the groove's centre, -w … w, and height above the bare
-        groove's valley, of a measured surface that every groove gets in the parabola's place; in a
-        `filled` film with as much of its resin as the groove holds with its C
+        (k, 3) float64 or None: a surface as `average_groove` gives it, which every groove gets in
+        the parabola's place; in a `filled` film with as much of its resin as the groove holds with
+        its C
     """
 
     tip_radius: float = 0.0
@@ -62,7 +61,7 @@ def build_section(
             raise InputError(
                 "film: profile measured: has its own tips and valleys: radii must be 0"
             )
-        return _measured_section(film, made.measured)
+        return measured_section(film, made.measured)
     for name in ("tip_radius", "valley_radius"):
         radius = getattr(made, name)
         if radius and not SMALLEST_RADIUS <= radius < np.inf:
@@ -71,53 +70,6 @@ def build_section(
                 f"{SMALLEST_RADIUS / um:g} µm"
             )
     return _Drawing(film, made, sliver).section()
-
-
-def measured_resin(film: PrismFilm, measured: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the resin's height [mm] over the walls at the corners of a measured surface, (k,).
-
-    Where the surface lies below the walls, and at the two tips, it is the prism's own.
-    """
-    resin = np.maximum(measured[:, 1] - film.groove.wall_slope * np.abs(measured[:, 0]), 0.0)
-    resin[[0, -1]] = 0.0
-    return resin
-
-
-def _measured_section(film: PrismFilm, measured: NDArray[np.float64]) -> Section:
-    """Return the measured polyline in every groove; its ends are the tips.
-
-    In a `filled` film its resin is made higher or lower until the groove holds that of its C.
-    """
-    local = measured[:-1, 0]
-    count = film.groove_count
-    height = np.tile(measured[:-1, 1], (count, 1))
-    if film.profile == "filled":
-        resin = measured_resin(film, measured)
-        share = _resin_share(film, float(np.trapezoid(resin, measured[:, 0])))
-        height += (share - 1)[:, None] * resin[:-1]
-    x = (film.groove_position[:, None] + local).ravel()
-    x = np.append(np.maximum(x, 0.0), film.width)
-    z = film.base + np.append(height.ravel(), measured[-1, 1])
-    ends = np.stack([np.stack([x[:-1], x[1:]], 1), np.stack([z[:-1], z[1:]], 1)])
-    zero = np.zeros(len(x) - 1)
-    kind = np.full(len(zero), LINE)
-    return join_pieces(film.length, ends[0], kind, np.zeros((len(zero), 2)), zero, ends[1])
-
-
-def _resin_share(film: PrismFilm, measured_area: float) -> NDArray[np.float64]:
-    """Return each groove's resin over that of the measured surface, (n,)."""
-    area = film.fill_fraction * film.groove.area
-    low, high = (float(bound) * measured_area for bound in MEASURED_SHARE)
-    bad = np.flatnonzero(~((area >= low) & (area <= high)))
-    if bad.size:
-        held = measured_area / film.groove.area
-        worst = int(bad[np.argmax(np.abs(area[bad] - measured_area))])
-        raise InputError(
-            f"film: measured surface: holds {held:.4g} of a full groove, the mask gives groove "
-            f"{worst} {film.fill_fraction[worst]:.4g}: expected a trace of a groove with "
-            f"{MEASURED_SHARE[0]:g} to {MEASURED_SHARE[1]:g} times that resin"
-        )
-    return area / measured_area
 
 
 class _Drawing:

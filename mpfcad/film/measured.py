@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.quadratic import fewest_pieces
 from mpfcad.film.stylus.fit import MOST_WIDTHS, fit_stylus_trace
 from mpfcad.film.stylus.tip import StylusTip, dilate, erode
 from mpfcad.film.stylus.trace import StylusTrace
@@ -11,9 +12,9 @@ from mpfcad.units import nm
 
 #: Straight pieces across one groove.
 PIECES = 50
-#: Corners that lie nearer to a line [mm] are left out: less than a stylus tells, and each piece
-#: costs a CAD kernel a face.
-STRAIGHT = 5e-6
+#: How near the surface's pieces come to the averaged heights [mm], or these many of their standard
+#: errors where that is more: what a stylus does not tell, and each piece costs a CAD kernel a face.
+NEAR, NEAR_ERRORS = 5e-6, 3.0
 #: Steps of a piece at which the tip is taken off.
 FINE = 20
 #: A surface that erosion gives back this close [mm] was touched by the tip.
@@ -21,12 +22,15 @@ TOUCHED = 5 * nm
 
 
 def average_groove(trace: StylusTrace, groove: Groove, profile: Profile) -> NDArray[np.float64]:
-    """Return the groove's mean surface, (k, 2) float64 [mm]: x from its centre -w … w, height.
+    """Return the groove's mean surface, (k, 3) float64: corners, and what lies between them.
+
+    Columns: x from the groove's centre, -w … w [mm], height above the bare groove's valley [mm],
+    and curvature of the piece to the right [1/mm], 0 where it is straight.
 
     The trace is levelled and centred as `fit_stylus_trace` does; then the polyline of equal steps
     that fits all its heights best is taken, its two ends the same tip. The stylus's tip, if known,
     is taken off by erosion where it touched the surface; elsewhere the fitted groove is taken.
-    Corners that lie in a line within `STRAIGHT` are left out: k is at most 51.
+    The fewest straight and parabolic pieces within `NEAR` of its corners are kept: k is at most 51.
 
     Raises
     ------
@@ -35,17 +39,19 @@ def average_groove(trace: StylusTrace, groove: Groove, profile: Profile) -> NDAr
     """
     widths = max(min(trace.widths(groove.pitch), MOST_WIDTHS), 2)
     fit = fit_stylus_trace(trace, groove, profile, widths)
-    height = _mean(fit.position, fit.height, groove)
+    height, error = _mean(fit.position, fit.height, groove)
     if fit.tip is not None:
-        height = _without_tip(height, _mean(fit.position, fit.surface, groove), groove, fit.tip)
+        surface, _ = _mean(fit.position, fit.surface, groove)
+        height = _without_tip(height, surface, groove, fit.tip)
     x = np.linspace(-groove.half_width, groove.half_width, PIECES + 1)
-    return _thinned(np.column_stack([x, np.append(height, height[0])]))
+    point = np.column_stack([x, np.append(height, height[0])])
+    return fewest_pieces(point, max(NEAR, NEAR_ERRORS * error), kept=(PIECES // 2,))
 
 
 def _mean(
     position: NDArray[np.float64], height: NDArray[np.float64], groove: Groove
-) -> NDArray[np.float64]:
-    """Return the polyline, (50,) float64 [mm], that fits heights best."""
+) -> tuple[NDArray[np.float64], float]:
+    """Return the polyline, (50,) float64 [mm], that fits heights best, and its standard error."""
     place = (position + groove.half_width) / groove.pitch * PIECES
     left = np.clip(place.astype(int), 0, PIECES - 1)
     share = place - left
@@ -53,10 +59,9 @@ def _mean(
     row = np.arange(len(place))
     basis[row, left] += 1 - share
     basis[row, (left + 1) % PIECES] += share
-    found: NDArray[np.float64] = np.asarray(
-        np.linalg.lstsq(basis, height, rcond=None)[0], np.float64
-    )
-    return found
+    found = np.asarray(np.linalg.lstsq(basis, height, rcond=None)[0], np.float64)
+    left = float(np.std(height - basis @ found))
+    return found, left * float(np.sqrt(PIECES / len(height)))
 
 
 def _without_tip(
@@ -76,20 +81,3 @@ def _without_tip(
     touched = back - model < TOUCHED
     eroded = erode(fine, step, tip, periodic=True)
     return np.where(touched, eroded, model)[::FINE]
-
-
-def _thinned(point: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the corners of a polyline that keep it within `STRAIGHT` (Ramer 1972)."""
-    kept = np.zeros(len(point), bool)
-    kept[[0, -1]] = True
-    spans = [(0, len(point) - 1)]
-    while spans:
-        first, last = spans.pop()
-        chord = point[last] - point[first]
-        away = point[first + 1 : last] - point[first]
-        distance = np.abs(away[:, 0] * chord[1] - away[:, 1] * chord[0]) / np.hypot(*chord)
-        if len(distance) and distance.max() > STRAIGHT:
-            middle = first + 1 + int(distance.argmax())
-            kept[middle] = True
-            spans += [(first, middle), (middle, last)]
-    return point[kept]

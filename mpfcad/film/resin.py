@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
-from mpfcad.film.imperfection import Imperfection, build_section, measured_resin
+from mpfcad.film.imperfection import Imperfection, build_section
+from mpfcad.film.measured_section import measured_bare_area
 from mpfcad.units import um
 
 #: Steps of the search for C, how near it comes, and how near it must: shares of a full groove.
@@ -28,10 +29,7 @@ def bare_mean_height(film: PrismFilm, imperfection: Imperfection) -> float:
     of r² (tan φ - φ): more prism in a rounded valley, less at a rounded tip.
     """
     if imperfection.measured is not None:
-        bare = imperfection.measured[:, 1] - measured_resin(film, imperfection.measured)
-        return film.base + float(np.trapezoid(bare, imperfection.measured[:, 0])) / (
-            film.groove.pitch
-        )
+        return film.base + measured_bare_area(film, imperfection.measured) / film.groove.pitch
     slope = film.groove.wall_slope
     corner = slope - np.arctan(slope)
     rounding = (imperfection.valley_radius**2 - imperfection.tip_radius**2) * corner

@@ -97,10 +97,11 @@ def test_measured_film(job, tmp_path, capsys):
         at = np.linspace(-0.024, 0.024, 97)
         drawn = np.interp(at + 0.025, groove[:, 0], groove[:, 2]) - 0.2
         meniscus = np.maximum(0.008 + 18 * at**2 + 1e4 * at**4 - np.abs(at), 0) * share
-        # A chord over h = 1 µm sags by z'' h²/8, and a kink lies up to half of it off its place.
+        # A chord of 3° sags by z'' h²/8, and a kink lies up to 0.5 µm off its place.
         assert np.abs(drawn - np.abs(at) - meniscus).max() < 1.5e-4
         held = np.trapezoid(groove[:, 2], groove[:, 0]) / 0.05 - 0.2 - 0.0125
-        assert held == pytest.approx(fill * share * 0.0125, rel=2e-3)
+        # Chords of 3° lie CΔx²/12 above the meniscus: 4e-3 of this resin.
+        assert held == pytest.approx(fill * share * 0.0125, rel=5e-3)
     path = job('measured_file = "trace.csv"', float(BEF.curvature_of_fill(fill * 0.4)))
     assert run_app(["cad", str(path), "--out", "d"]) == 2
     assert "expected a trace of a groove with 0.5 to 2 times" in capsys.readouterr().err

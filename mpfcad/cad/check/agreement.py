@@ -120,8 +120,9 @@ def _to_drawn(points: NDArray[np.float64], step: StepText, axis: int) -> NDArray
     for up in (True, False):
         chosen = along & ((step.curvature > 0) == up)
         if chosen.any():
-            vertex = step.vertex[chosen][:, [axis, 2]]
-            best = np.minimum(best, _to_parabolas(place, vertex, step.curvature[chosen]))
+            vertex, start = step.vertex[chosen][:, [axis, 2]], step.low[chosen, axis]
+            off = _to_parabolas(place, vertex, start, step.curvature[chosen])
+            best = np.minimum(best, off)
     if axis == 0 and len(step.radius):
         best = np.minimum(best, _to_circles(place, step.centre[:, [0, 2]], step.radius))
     return best
@@ -164,13 +165,16 @@ def to_walls(
 
 
 def _to_parabolas(
-    points: NDArray[np.float64], vertex: NDArray[np.float64], curvature: NDArray[np.float64]
+    points: NDArray[np.float64],
+    vertex: NDArray[np.float64],
+    start: NDArray[np.float64],
+    curvature: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return the distance from the parabolas that are nearest in x, to first order."""
-    _, first = np.unique(vertex[:, 0], return_index=True)
-    vertex, curvature = vertex[first], curvature[first]
+    """Return the distance from the parabolas drawn from a start near each point, to first order."""
+    _, first = np.unique(np.round(start, 9), return_index=True)
+    start, vertex, curvature = start[first], vertex[first], curvature[first]
     best = np.full(len(points), np.inf)
-    for index in _neighbours(vertex[:, 0], points[:, 0]):
+    for index in _neighbours(start, points[:, 0]):
         x = points[:, 0] - vertex[index, 0]
         rise = points[:, 1] - vertex[index, 1] - curvature[index] / 2 * x**2
         best = np.minimum(best, np.abs(rise) / np.hypot(1, curvature[index] * x))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.check.step_read import read_bodies
-from mpfcad.cad.check.step_text import MILLIMETRE, check_text, read_step_text
+from mpfcad.cad.check.step_text import MILLIMETRE, check_text, read_step_text, read_units
 from mpfcad.cad.step.outline import solid_contact
 from mpfcad.cad.step.solid import Bodies
 from mpfcad.errors import ExportError
@@ -151,7 +151,7 @@ def check_one_body(
         when it is not in mm, or holds another body.
     """
     path = Path(path)
-    units = read_step_text(path).units
+    units = read_units(path)
     if units != MILLIMETRE:
         raise ExportError(f"{path.name}: length units {sorted(units)}: expected all millimetres")
     shapes = read_bodies(path, repair=repair)

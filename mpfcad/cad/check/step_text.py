@@ -37,6 +37,9 @@ class StepText:
         (p, 3) float64 [mm] and unit vectors, the vertices of the parabolas and their planes
     curvature
         (p,) float64 [1/mm] of the parabolas, 1/(2 focal length); negative where they open downward
+    low
+        (p, 3) float64 [mm], the least x, y and z of the corners between which a parabola is drawn;
+        its vertex where no edge follows it
     centre, radius
         (c, 3) and (c,) float64 [mm] of the circles
     plane_point, plane_normal
@@ -51,6 +54,7 @@ class StepText:
     vertex: NDArray[np.float64]
     normal: NDArray[np.float64]
     curvature: NDArray[np.float64]
+    low: NDArray[np.float64]
     centre: NDArray[np.float64]
     radius: NDArray[np.float64]
     plane_point: NDArray[np.float64]
@@ -66,24 +70,44 @@ def read_step_text(path: Path) -> StepText:
     ExportError
         when it is no whole STEP file, or a surface refers to what is not there.
     """
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise ExportError(f"{path.name}: {error.strerror}") from error
-    if not text.startswith(b"ISO-10303-21;") or not text.rstrip().endswith(b"END-ISO-10303-21;"):
-        raise ExportError(f"{path.name}: not a whole STEP file")
-    units = re.findall(rb"LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\(([^)]*)\)", text)
+    text = _read(path)
     products = re.findall(rb"=PRODUCT\('([^']*)'", text)
     try:
         surfaces = _surfaces(text)
     except (KeyError, ValueError) as error:
         raise ExportError(f"{path.name}: a surface is not whole: {error}") from error
     return StepText(
-        frozenset(unit.decode() for unit in units),
+        _units(text),
         frozenset(name.decode() for name in products),
         text.count(b"=MANIFOLD_SOLID_BREP("),
         *surfaces,
     )
+
+
+def read_units(path: Path) -> frozenset[str]:
+    """Return every length unit that the STEP file at `path` states.
+
+    Raises
+    ------
+    ExportError
+        when it is no whole STEP file.
+    """
+    return _units(_read(path))
+
+
+def _read(path: Path) -> bytes:
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise ExportError(f"{path.name}: {error.strerror}") from error
+    if not text.startswith(b"ISO-10303-21;") or not text.rstrip().endswith(b"END-ISO-10303-21;"):
+        raise ExportError(f"{path.name}: not a whole STEP file")
+    return text
+
+
+def _units(text: bytes) -> frozenset[str]:
+    found = re.findall(rb"LENGTH_UNIT\(\)NAMED_UNIT\(\*\)SI_UNIT\(([^)]*)\)", text)
+    return frozenset(unit.decode() for unit in found)
 
 
 def _surfaces(text: bytes) -> tuple[NDArray[np.float64], ...]:
@@ -96,7 +120,8 @@ def _surfaces(text: bytes) -> tuple[NDArray[np.float64], ...]:
     }
     points = dict(re.findall(rb"(#\d+)=CARTESIAN_POINT\('[^']*',\(([^)]*)\)\)", text))
     directions = dict(re.findall(rb"(#\d+)=DIRECTION\('[^']*',\(([^)]*)\)\)", text))
-    parabolas = re.findall(rb"=PARABOLA\('[^']*',(#\d+),([^)]*)\)", text)
+    named = re.findall(rb"(#\d+)=PARABOLA\('[^']*',(#\d+),([^)]*)\)", text)
+    parabolas = [rest for _, *rest in named]
     circles = re.findall(rb"=CIRCLE\('[^']*',(#\d+),([^)]*)\)", text)
     planes = re.findall(rb"=PLANE\('[^']*',(#\d+)\)", text)
     patches = re.findall(rb"=B_SPLINE_SURFACE_WITH_KNOTS\('[^']*',2,2,\(([#\d,()]*)\),\.", text)
@@ -106,6 +131,7 @@ def _surfaces(text: bytes) -> tuple[NDArray[np.float64], ...]:
         _triples([points[axes[key][0]] for key, _ in parabolas]),
         _triples([directions[axes[key][1]] for key, _ in parabolas]),
         np.sign(opening[:, 2]) / (2 * focal),
+        _lowest_corners(text, points, [(key, points[axes[place][0]]) for key, place, _ in named]),
         _triples([points[axes[key][0]] for key, _ in circles]),
         np.array([float(value) for _, value in circles]),
         _triples([points[axes[key][0]] for key in planes]),
@@ -114,6 +140,22 @@ def _surfaces(text: bytes) -> tuple[NDArray[np.float64], ...]:
             -1, 3, 3, 3
         ),
     )
+
+
+def _lowest_corners(
+    text: bytes, points: dict[bytes, bytes], curves: list[tuple[bytes, bytes]]
+) -> NDArray[np.float64]:
+    """Return the least coordinates [mm] of the ends of the edges along each (curve, vertex)."""
+    wanted = {key: place for place, (key, _) in enumerate(curves)}
+    low = np.full((len(curves), 3), np.inf)
+    if wanted:
+        corner = dict(re.findall(rb"(#\d+)=VERTEX_POINT\('[^']*',(#\d+)\)", text))
+        edges = re.findall(rb"=EDGE_CURVE\('[^']*',(#\d+),(#\d+),(#\d+),", text)
+        edges = [(start, end, wanted[curve]) for start, end, curve in edges if curve in wanted]
+        for side in (0, 1):
+            ends = _triples([points[corner[edge[side]]] for edge in edges])
+            np.minimum.at(low, [edge[2] for edge in edges], ends)
+    return np.where(np.isfinite(low), low, _triples([vertex for _, vertex in curves]))
 
 
 def _triples(texts: list[bytes]) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece
 
 
 def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:
-    """Return the mean groove of the job's stylus trace, (k, 2) float64 [mm]; None without one.
+    """Return the mean groove of the job's stylus trace, as `average_groove`; None without one.
 
     Raises
     ------
@@ -74,7 +74,8 @@ def _draw_made(
                 f"with measured_file: a measured surface has its own walls"
             )
         # The tool keeps its angle: grooves of another pitch are similar ones.
-        measured = measured * (groove.pitch / piece.groove.pitch)
+        larger = groove.pitch / piece.groove.pitch
+        measured = measured * np.array([larger, larger, 1 / larger])
     imperfection = Imperfection(table.tip_radius, table.valley_radius, measured)
     curvature = piece.curvature
     if piece.profile == "filled":

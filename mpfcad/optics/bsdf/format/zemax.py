@@ -194,7 +194,7 @@ def _around(path: Path, symmetry: str, azimuth: NDArray, value: NDArray) -> tupl
             np.concatenate([value, mirrored], axis=2),
         )
     if abs(azimuth[0]) > 1e-9:
-        raise InputError(f"{path}: ScatterAzimuth: expectedgin at 0")
+        raise InputError(f"{path}: ScatterAzimuth: {np.degrees(azimuth[0]):g}: expected 0 first")
     if abs(azimuth[-1] - 2 * np.pi) < 1e-6:
         return azimuth, value
     closed = np.concatenate([value, value[:, :, :1]], axis=2)
