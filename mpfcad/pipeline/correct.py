@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.design import Constraint, Grid, Response, estimate_operators
+from mpfcad.design import Constraint, Grid, Response
 from mpfcad.design.reprint import Reprint, Seen, find_reprint
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
@@ -18,10 +18,12 @@ from mpfcad.job.reader import validate
 from mpfcad.measure.observed import ObservedPitch, curve_of_image, observe_pitch, read_curve
 from mpfcad.measure.observed.image import is_image, read_image
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
+from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.judge import Judging
 from mpfcad.pipeline.plan.plan import Plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.store import Store
 
 CORRECT_SCHEMA = 1
 _NODE_STEP, _HARMONICS = 6.0, 4
@@ -159,9 +161,10 @@ def _response(
     node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
     film = plan.job.film
     return Response(
-        estimate_operators(
-            plan.stack, film.groove, film.base, film.profile, node, grid=Grid(),
-            seed=plan.job.seed, threads=threads or available_threads(), progress=progress.stage,
+        model_operators(
+            Store.open(progress.note), plan.stack, film.groove, film.base, film.profile, node,
+            grid=Grid(), seed=plan.job.seed, threads=threads or available_threads(),
+            progress=progress.stage,
         )
     )  # fmt: skip
 

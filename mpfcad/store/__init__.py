@@ -5,7 +5,7 @@ written whole, with a checksum, and what does not verify is said, set aside and 
 the store saves time and never decides a figure: deleting it is always safe.
 """
 
-from mpfcad.store.code import code_hash, kernel_hash, versions
+from mpfcad.store.code import code_hash, kernel_hash, versions, work_hash
 from mpfcad.store.digest import array_hash, value_hash, work_key
 from mpfcad.store.folder import VARIABLE, cache_folder
 from mpfcad.store.keep import Store
@@ -19,5 +19,6 @@ __all__ = [
     "kernel_hash",
     "value_hash",
     "versions",
+    "work_hash",
     "work_key",
 ]

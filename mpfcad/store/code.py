@@ -24,6 +24,13 @@ LIBRARIES = (
 )
 #: Those that only the key of kept work has to know.
 _BELOW = ("llvmlite", "manifold3d", "miepython", "pydantic", "shapely", "xarray")
+#: What a trace depends on besides its inputs: `measure` and all that it imports.
+TRACE = (
+    "measure", "backlight", "optics", "film", "store", "boundary",
+    "compiling.py", "errors.py", "sound.py", "units.py",
+)  # fmt: skip
+#: What shows results or asks for them: no kept work depends on it.
+SHOWN = ("report", "cli", "api")
 #: A file that compiles a kernel has one of these words in it.
 _KERNEL_WORDS = (b"njit", b"base.kernel")
 
@@ -32,19 +39,36 @@ _KERNEL_WORDS = (b"njit", b"base.kernel")
 def code_hash(*packages: str) -> str:
     """Return the SHA-256 of all of mpfcad's files, presets included, or of some packages' only."""
     places = [_PACKAGE / package for package in packages] or [_PACKAGE]
-    return _hash(lambda path, text: any(place in path.parents for place in places))
+    return _hash(lambda path, text: _is_within(path, places))
+
+
+@cache
+def work_hash(kind: str) -> str:
+    """Return the SHA-256 of the code that an entry of a kind depends on.
+
+    Kernels: `kernel_hash`. Half-done traces: `TRACE`. All else: every file but those of `SHOWN`.
+    """
+    if kind == "kernel":
+        return kernel_hash()
+    if kind == "trace":
+        return code_hash(*TRACE)
+    shown = [_PACKAGE / package for package in SHOWN]
+    return _hash(lambda path, text: not _is_within(path, shown))
+
+
+def _is_within(path: Path, places: list[Path]) -> bool:
+    return any(path == place or place in path.parents for place in places)
 
 
 @cache
 def kernel_hash() -> str:
     """Return the SHA-256 of every file whose text is compiled, or gives a kernel its constants."""
-    places = (_PACKAGE / "optics", _PACKAGE / "units.py")
+    places = [_PACKAGE / "optics", _PACKAGE / "units.py"]
 
     def compiles(path: Path, text: bytes) -> bool:
         if path.suffix != ".py":
             return False
-        own = any(path == place or place in path.parents for place in places)
-        return own or any(word in text for word in _KERNEL_WORDS)
+        return _is_within(path, places) or any(word in text for word in _KERNEL_WORDS)
 
     return _hash(compiles)
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from mpfcad.store.code import all_versions, code_hash
+from mpfcad.store.code import all_versions, work_hash
 
 
 def work_key(kind: str, inputs: Any) -> str:
-    """Return the SHA-256 of a kind of work, its inputs by value, this code and its libraries."""
-    return value_hash([kind, inputs, code_hash(), all_versions()])
+    """Return the SHA-256 of a kind of work, its inputs by value, its code and the libraries."""
+    return value_hash([kind, inputs, work_hash(kind), all_versions()])
 
 
 def array_hash(values: Any) -> str:

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from mpfcad.store.code import code_hash, kernel_hash
+from mpfcad.store.code import work_hash
 from mpfcad.store.folder import cache_folder
 from mpfcad.store.notice import say
 
@@ -25,7 +25,7 @@ KINDS = {
     "trace": "half-done traces",
     "figure": "measured figures",
     "point": "points of sweeps",
-    "design": "traces of designs",
+    "design": "traces and models of designs",
     "kernel": "compiled kernels",
 }
 SUFFIX, DAMAGED, PART = ".kept", ".damaged", ".part"
@@ -33,7 +33,7 @@ SUFFIX, DAMAGED, PART = ".kept", ".damaged", ".part"
 
 def code_of(kind: str) -> str:
     """Return the hash of the code that an entry of a kind comes from, as its first line has it."""
-    return (kernel_hash() if kind == "kernel" else code_hash())[:16]
+    return work_hash(kind)[:16]
 
 
 def _first_line(kind: str, key: str, content: bytes) -> bytes:

@@ -123,7 +123,7 @@ def _contrast(data, folder):
 
 def test_other_code_takes_no_old_points(folder, monkeypatch):
     before = keys(folder)
-    monkeypatch.setattr("mpfcad.store.digest.code_hash", lambda: "0" * 64)
+    monkeypatch.setattr("mpfcad.store.digest.work_hash", lambda kind: "0" * 64)
     assert not set(keys(folder)) & set(before)
 
 

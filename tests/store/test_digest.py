@@ -68,7 +68,7 @@ def test_a_key_counts_kind_code_and_libraries(monkeypatch):
     key = work_key("trace", [1])
     assert key != work_key("point", [1])
     with monkeypatch.context() as patch:
-        patch.setattr("mpfcad.store.digest.code_hash", lambda: "0" * 64)
+        patch.setattr("mpfcad.store.digest.work_hash", lambda kind: "0" * 64)
         assert work_key("trace", [1]) != key
     with monkeypatch.context() as patch:
         patch.setattr("mpfcad.store.digest.all_versions", lambda: {"numpy": "0"})

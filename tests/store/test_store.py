@@ -90,7 +90,7 @@ def test_an_entry_of_another_kind_key_or_code_is_not_taken(store, monkeypatch):
     store.path("point", KEY).replace(store.path("figure", KEY))
     assert store.read_json("figure", KEY) is None
     store.keep_json("point", KEY, VALUE)
-    monkeypatch.setattr("mpfcad.store.keep.code_hash", lambda: "0" * 64)
+    monkeypatch.setattr("mpfcad.store.keep.work_hash", lambda kind: "0" * 64)
     assert store.read_json("point", KEY) is None
 
 
@@ -147,7 +147,7 @@ def test_pruning_takes_only_what_no_run_can_use(store, monkeypatch):
     assert prune(store.folder) == []
     assert len(prune(store.folder, days=30)) == 1
     store.keep_json("point", KEY, VALUE)
-    monkeypatch.setattr("mpfcad.store.keep.code_hash", lambda: "0" * 64)
+    monkeypatch.setattr("mpfcad.store.keep.work_hash", lambda kind: "0" * 64)
     assert [e.state for e in prune(store.folder)] == ["old"]
     assert sorted(p.name for p in store.folder.rglob("*") if p.is_file()) == [
         ".y.1.aa.part", "notes.txt",

@@ -16,7 +16,6 @@ from mpfcad.design import (
     Response,
     Traced,
     best_of,
-    estimate_operators,
     search_by_inversion,
     search_by_response,
 )
@@ -25,6 +24,7 @@ from mpfcad.job import build_job
 from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
+from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
@@ -59,7 +59,8 @@ class DesignWork:
         self.goal = design_goal(design)
         mesh = job.mask.mesh
         self.screen = PHOTOTOOL_ONLY if mesh is None else screen_mesh(mesh, str(file)).name
-        self.state = KeptTraces(Store.open(progress.note), self._inputs())
+        self.store = Store.open(progress.note)
+        self.state = KeptTraces(self.store, self._inputs())
         self.model: dict[str, Any] | None = None
 
     def _inputs(self) -> list[Any]:
@@ -101,7 +102,8 @@ class DesignWork:
         """Return the operators of the two-scale model on a grid."""
         low, high = self.constraint.curvature_min, self.constraint.curvature_max
         node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
-        return estimate_operators(
+        return model_operators(
+            self.store,
             self.stack,
             self.groove,
             self.design.film.base,
