@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from mpfcad.errors import TraceError
 from mpfcad.optics.base.kernel import allocating_entry
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, start_path, uniform
+from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.bsdf.basis import AngleBasis
 from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity.endless import NO_LAMP
@@ -88,22 +88,20 @@ def trace_film_bsdf(
     number = np.zeros((2, count, 2 * count + 1), np.int64)
     bins = (basis.sin2_edge, basis.azimuths, basis.first, basis.ring)
 
-    def one(side: int, i: int) -> None:
+    def one(start: tuple[int, int]) -> None:
+        side, i = start
         rng, flow = np.zeros(RNG_SIZE, np.uint64), np.zeros(len(FLOWS) + 1)
         _trace_bin(
             scene, (width, length), bins, side, i, rays, np.uint64(seed), rng, flow, number[side, i]
         )
 
-    with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(one, side, i) for side in (0, 1) for i in range(count)]
-        try:
-            for done, job in enumerate(jobs, 1):
-                job.result()
-                if after_bin:
-                    after_bin(done, len(jobs))
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+    def come_in(done: int, _: None) -> int:
+        if after_bin:
+            after_bin(done + 1, 2 * count)
+        return done + 1
+
+    each = [(side, i) for side in (0, 1) for i in range(count)]
+    add_in_order(one, each, come_in, 0, threads=threads)
     lost = number[:, :, -1].sum() / number.sum()
     if lost > _MOST_LOST:
         raise TraceError(f"{name}: {lost:.2e} of the rays were lost; expected {_MOST_LOST:g}")

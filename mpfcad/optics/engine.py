@@ -7,7 +7,7 @@ same bits at any thread count.
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
 from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.base.sampling import start_net_path
+from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.cavity.queue import pass_cavity_queue
@@ -246,15 +247,7 @@ def trace(
         scratch.append((wave, radiance))
         return Tally(score, score2, score**2, flow, flow**2, BLOCK, 1)
 
-    total = Tally.empty(points, flows)
-    with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(one, block) for block in range(first, first + blocks)]
-        try:
-            for job in jobs:
-                total = total + job.result()
-                if after_block:
-                    after_block()
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-    return total
+    return add_in_order(
+        one, range(first, first + blocks), add, Tally.empty(points, flows),
+        threads=threads, after=after_block,
+    )  # fmt: skip

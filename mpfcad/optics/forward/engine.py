@@ -1,7 +1,6 @@
 """Paths from the LEDs of a cell, followed as in `optics.engine`, scored at the topmost sheet."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import start_net_path
+from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.cavity.board import led_start
 from mpfcad.optics.element import SHEET
 from mpfcad.optics.engine import go_on, pass_queue
@@ -147,33 +147,18 @@ def trace_forward(
     if not can_connect(scene):
         raise TraceError("forward trace: expected LEDs below and a scattering sheet on top")
     flows = len(FLOWS) + len(scene.kind)
-    terms_squared = TERMS * TERMS
+    n = TERMS * TERMS
 
-    def one(block: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def one(block: int) -> CellTally:
         score, flow = np.zeros(meter.size), np.zeros(flows)
         trace_cell(
             scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
             Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), score, flow,
         )  # fmt: skip
-        return score, flow
+        outer = np.outer(score[:n], score[:n])
+        return CellTally(score, outer, score[n:] ** 2, flow, flow**2, BLOCK, 1)
 
-    total = CellTally.empty(meter, flows)
-    paths = 0
-    with ThreadPoolExecutor(threads) as pool:
-        jobs = [pool.submit(one, block) for block in range(first, first + blocks)]
-        try:
-            for job in jobs:
-                score, flow = job.result()
-                part = score[:terms_squared]
-                total.score[:] += score
-                total.outer[:] += np.outer(part, part)
-                total.square[:] += score[terms_squared:] ** 2
-                total.flow[:] += flow
-                total.flow2[:] += flow**2
-                paths += BLOCK
-                if after_block:
-                    after_block()
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-    return total._replace(paths=paths, blocks=blocks)
+    return add_in_order(
+        one, range(first, first + blocks), CellTally.plus, CellTally.empty(meter, flows),
+        threads=threads, after=after_block,
+    )  # fmt: skip
