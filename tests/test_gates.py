@@ -24,7 +24,7 @@ from mpfcad.pipeline.run.file_check import examine_files
 from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, plan_mask, write_cad, write_masks
 from mpfcad.pipeline.run.mask_order import phototool
 from mpfcad.record import ORDER, Checks, build_gates
-from mpfcad.record.printing import PREFIX, PrintLimits, mask_gates
+from mpfcad.record.printing import PREFIX, PrintLimits, mask_gates, print_gates
 from mpfcad.report.film.wording import GATES
 from mpfcad.units import deg, um
 
@@ -37,10 +37,11 @@ JOB = (
     '[cad]\nlength_mm = 0.5\n[mask]\nformats = ["oas"]\n'
 )
 
+PRINT_LIMITS = PrintLimits(0.1, 0.9, 1.0, 0.01, 1.0)
 LIMITS = {
     "contrast_pass": 0.012,
     "contrast_marginal": 0.018,
-    "print_limits": PrintLimits(0.1, 0.9, 1.0, 0.01, 1.0),
+    "print_limits": PRINT_LIMITS,
 }
 
 
@@ -208,6 +209,22 @@ def test_features_a_micrometre_too_narrow_fail(folder, plan, feature):
         found = check_windows(read_oasis(folder / "mask.oas"), rules, windows)
         gate = mask_gates({"mask.oas": replace(check, windows=found)})[1]
         assert (gate.name, gate.outcome) == ("mask_rule_violations", outcome)
+
+
+@pytest.mark.parametrize("feature", ["aperture", "web"])
+def test_a_screen_s_features_count_to_the_nanometre(feature):
+    """What is read back may be the rounding of two edges narrower than the limit, no more."""
+    printing = SimpleNamespace(
+        mesh="120-34", release=None, aperture_limit=0.05, web_limit=0.06, ripple=0.0,
+        ripple_luminance=0.0, registration_curvature=0.0, ratio_min=0.5, ratio_max=0.5,
+    )  # fmt: skip
+    for less, outcome in ((1.9e-6, "PASS"), (2.1e-6, "FAIL")):
+        size = {"smallest_aperture": 0.05, "smallest_web": 0.06}
+        size[f"smallest_{feature}"] -= less
+        check = SimpleNamespace(aperture_ratio=np.array([0.5]), **size)
+        gates = {g.name: g.outcome for g in print_gates(printing, {"m": check}, PRINT_LIMITS)}
+        assert gates.pop(f"screen_{feature}_um") == outcome
+        assert set(gates.values()) == {"PASS"}
 
 
 def size_of(mask):

@@ -1,4 +1,4 @@
-"""Masks of a few grooves that the tests of this room share."""
+"""Masks of a few grooves that the tests of this folder share."""
 
 import numpy as np
 

@@ -82,6 +82,21 @@ def test_a_mirrored_file_is_the_mirror_image(tmp_path):
     assert (plain.transformed(kdb.Trans(kdb.Trans.M90, 39 * 50_000, 0)) ^ turned).is_empty()
 
 
+def test_windows_of_a_mirrored_file_are_the_mirrored_windows(tmp_path):
+    """Those about the grooves of least and largest ratio too: off the sampled shares here."""
+    curvature = np.full(200, 60.0)
+    curvature[30], curvature[70] = 55.0, 65.0
+    mask = build(curvature, SLOT)
+    width = round(mask.width * 1e6)
+    windows = []
+    for mirror in (False, True):
+        tool = Phototool(mirror=mirror)
+        windows.append(check_mask(written(tmp_path / "m.oas", mask, tool), mask, tool).windows.windows)
+    turned = {(width - box[2], box[1], width - box[0], box[3]) for box in windows[1]}
+    assert len(turned) == len(windows[0]) > 9
+    assert turned == set(windows[0])
+
+
 def test_smallest_aperture_and_web(tmp_path):
     slot = check_mask(written(tmp_path / "s.oas", mask := build()), mask)
     assert slot.smallest_aperture == pytest.approx(mask.along[mask.is_open].min() * 1e-6)
