@@ -101,7 +101,7 @@ def test_a_pattern_is_held_within_its_limits(tmp_path, model):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[constraint]\ncurvature_min_per_mm = 78\ncurvature_max_per_mm = 70\n", "must be above"),
+        ("[constraint]\ncurvature_min_per_mm = 78\ncurvature_max_per_mm = 70\n", "expected above"),
         ("[film]\npitch_um = 47.0\ndepth_um = 23.5\n", "whole number of grooves"),
     ],
 )

@@ -20,14 +20,14 @@ def check_layers(where: str, stack: Stack) -> None:
     may_lack = stack.table_layers or stack.spec.kind == LedSpec.kind
     if len(slots) != 1 and (slots or not may_lack):
         raise InputError(
-            f"{where}: layers: {len(slots)} films for the job's film: must be exactly one; more "
+            f"{where}: layers: {len(slots)} films for the job's film: expected exactly one; more "
             "films have a kind and a file"
         )
     _check_film_layers(where, stack)
     if "bonded_film" in layers:
         at = layers.index("bonded_film")
         if at == 0 or stack.kind_of(layers[at - 1]) != "plate":
-            raise InputError(f"{where}: layers: bonded_film: must lie directly on a plate")
+            raise InputError(f"{where}: layers: bonded_film: expected a plate directly below it")
 
 
 def _check_film_layers(where: str, stack: Stack) -> None:

@@ -43,7 +43,7 @@ def _default(
     where: str, key: str, default: str | float | None, quantity: dict[str, Quantity]
 ) -> Quantity:
     if default is None:
-        raise InputError(f"{where}: layers: {key}: missing: must be given")
+        raise InputError(f"{where}: layers: {key}: missing: expected a value")
     if isinstance(default, str):
         base = quantity[default]
         return Quantity(base.value, base.tag, f"as {default}: {base.source}")
@@ -60,7 +60,7 @@ def _scattering(where: str, body: str, quantity: dict[str, Quantity]) -> dict[st
         return {}
     missing = [key for key in keys if key not in quantity]
     if missing:
-        raise InputError(f"{where}: {missing[0]}: missing: particles need all of {', '.join(keys)}")
+        raise InputError(f"{where}: {missing[0]}: missing: expected all of {', '.join(keys)}")
     wavelength = quantity.get("light_wavelength_nm", _WAVELENGTH)
     particles = build_particles({**quantity, "light_wavelength_nm": wavelength}, body)
     assert particles is not None  # none is missing

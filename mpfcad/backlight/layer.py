@@ -92,11 +92,13 @@ def read_layer(
     """
     if isinstance(entry, str):
         if entry not in LAYERS:
-            raise InputError(f"{where}: layers: {entry}: must be one of {', '.join(LAYERS)}")
+            raise InputError(f"{where}: layers: {entry}: expected one of {', '.join(LAYERS)}")
         return entry, None, {}
     if not isinstance(entry, dict) or entry.get("kind") not in OWN_VALUES:
         kinds = ", ".join(OWN_VALUES)
-        raise InputError(f"{where}: layers: {entry}: must be a name or have a kind of {kinds}")
+        raise InputError(
+            f"{where}: layers: {entry}: expected a name, or a table with a kind of {kinds}"
+        )
     kind = entry["kind"]
     name = _own_name(where, entry, place)
     at = f"{where}: layers: {name}"
@@ -110,11 +112,11 @@ def read_layer(
         raise InputError(f"{at}: {unknown[0]}: unknown key; expected: {', '.join(allowed)}")
     flipped, file = entry.get("flipped", False), entry.get("file")
     if not isinstance(flipped, bool):
-        raise InputError(f"{at}: flipped: {flipped}: must be true or false")
+        raise InputError(f"{at}: flipped: {flipped}: expected true or false")
     if file is not None:
         file = str(folder / str(file))
         if not Path(file).is_file():
-            raise InputError(f"{at}: file: {file}: not found")
+            raise InputError(f"{at}: file: {file}: no such file: expected a mesh or table")
     values = {key: value for key, value in entry.items() if key not in _FLAGS}
     return name, Layer(name, kind, file, flipped), values
 
@@ -124,7 +126,7 @@ def _own_name(where: str, entry: dict[str, object], place: int) -> str:
     name = entry.get("name", f"{entry['kind']}_{place}")
     at = f"{where}: layers: {name}"
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,40}", name):
-        raise InputError(f"{at}: name: must be small letters, digits and _, a letter first")
+        raise InputError(f"{at}: name: expected small letters, digits and _, a letter first")
     if name in (*LAYERS, "reflector"):
-        raise InputError(f"{at}: name: must not be that of a named layer")
+        raise InputError(f"{at}: name: expected one that no named layer has")
     return name

@@ -78,14 +78,15 @@ def _resin(stack: Stack, mesh: FilmMesh | None) -> Resin | None:
         return None
     if stack.prism is None:
         raise InputError(
-            f"{stack.name}: resin that scatters: needs the mesh of the film without resin (--prism)"
+            f"{stack.name}: resin that scatters: "
+            "expected the mesh of the film without resin (--prism)"
         )
     prism = read_film_mesh(stack.prism)
     if build_chain(prism) is None:
-        raise InputError(f"{stack.prism}: prisms under the resin: must be drawn along y")
+        raise InputError(f"{stack.prism}: prisms under the resin: expected prisms drawn along y")
     if mesh is None or prism.size[0] != mesh.size[0]:
         raise InputError(
-            f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: must be as wide "
+            f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: expected as wide "
             f"as the film, {mesh.size[0] if mesh else 0:g} mm"
         )
     particles = build_particles(stack.quantity, "resin")

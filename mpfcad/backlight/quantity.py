@@ -116,7 +116,7 @@ def read_quantity(
         tag, source = entry.get("tag", tag), str(entry.get("source", source))
     tagged: Tag | None = next((one for one in TAGS if one == tag), None)
     if tagged is None:
-        raise InputError(f"{where}.{key}: tag {tag!r}: must be one of {', '.join(TAGS)}")
+        raise InputError(f"{where}.{key}: tag {tag!r}: expected one of {', '.join(TAGS)}")
     low, high = limits
     if (
         not isinstance(value, int | float)
@@ -124,9 +124,9 @@ def read_quantity(
         or not math.isfinite(value)
         or not low <= value <= high
     ):
-        raise InputError(f"{where}.{key}: {value}: must be a number in {low:g} … {high:g}")
+        raise InputError(f"{where}.{key}: {value}: expected a number in {low:g} … {high:g}")
     if key.endswith("_count") and value != int(value):
-        raise InputError(f"{where}.{key}: {value}: must be a whole number")
+        raise InputError(f"{where}.{key}: {value}: expected a whole number")
     sigma = _read_sigma(f"{where}.{key}", value, entry) if isinstance(entry, dict) else None
     return Quantity(value, tagged, source, sigma)
 

@@ -71,7 +71,7 @@ def _read_stack(
     text.value.update(_flat(f"{where}: stack.override", given))
     extent = next((one for one in EXTENTS if one == text.extent), None)
     if extent is None:
-        raise InputError(f"{where}: extent: {text.extent}: must be one of {', '.join(EXTENTS)}")
+        raise InputError(f"{where}: extent: {text.extent}: expected one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
     _, wavelength = text.value.get("light_wavelength_nm", ("", DEFAULT_WAVELENGTH_NM))
     quantity = {
@@ -80,7 +80,9 @@ def _read_stack(
     }
     missing = [key for key in ranges_with(text.spec) if key not in quantity]
     if missing:
-        raise InputError(f"{where}: value.{missing[0]}: missing: extend a preset or give them all")
+        raise InputError(
+            f"{where}: value.{missing[0]}: missing: expected all values, or extends = a preset"
+        )
     stack = Stack(
         Path(where).stem, text.title, layers, quantity, extent, own, tables=text.table,
         spec=text.spec,
@@ -94,14 +96,14 @@ def _read_stack(
 def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, Any]]:
     """Return the layers' names and those with values of their own, whose values join `text`'s."""
     if not isinstance(text.layers, list) or not text.layers:
-        raise InputError(f"{where}: layers: {text.layers}: must list layers from the lamps up")
+        raise InputError(f"{where}: layers: {text.layers}: expected layers from the lamps up")
     names, own, values = [], {}, {}
     for place, entry in enumerate(text.layers, 1):
         with guarded(f"{where}: layers: entry {place}", "the name of a layer or its table"):
             name, layer, given = read_layer(where, entry, place, text.folder)
         if layer is not None:
             if name in names:
-                raise InputError(f"{where}: layers: {name}: name: must be there once")
+                raise InputError(f"{where}: layers: {name}: name: expected once")
             own[name] = layer
             if layer.kind == "bsdf":
                 text.table[name] = read_bsdf_layer(f"{where}: layers: {name}", text.folder, entry)
@@ -150,14 +152,14 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         text = _extended(f"{where}: extends", found, seen | {str(path)})
     values = table.get("value", {})
     if not isinstance(values, dict):
-        raise InputError(f"{where}: value: {values!r}: must be a table")
+        raise InputError(f"{where}: value: {values!r}: expected a table")
     text.value.update(_flat(f"{where}: value", values))
     if "layers" in table:
         text.layers, text.folder = table["layers"], path.parent
     if "reflector" in table:
         entry = table["reflector"]
         if not isinstance(entry, dict):
-            raise InputError(f"{where}: reflector: {entry!r}: must be a table with file")
+            raise InputError(f"{where}: reflector: {entry!r}: expected a table with file")
         text.table["reflector"] = read_bsdf_layer(
             f"{where}: reflector", path.parent, entry, reflector=True
         )
@@ -180,10 +182,12 @@ def _find(name: str | Path) -> Path:
     path = Path(name)
     if path.suffix == ".toml":
         if not path.is_file():
-            raise InputError(f"{name}: stack file not found")
+            raise InputError(f"{name}: no such file: expected a stack")
         return path
     preset = _PRESETS / f"{name}.toml"
     if "/" in str(name) or not preset.is_file():
         known = ", ".join(sorted(p.stem for p in _PRESETS.glob("*-*-*.toml")))
-        raise InputError(f"stack: {name}: no such preset; known: {known}; a file ends in .toml")
+        raise InputError(
+            f"stack: {name}: no such preset: expected one of {known}, or a file that ends in .toml"
+        )
     return preset

@@ -71,5 +71,5 @@ def formats(text: str, known: tuple[str, ...], option: str = "--format") -> tupl
     unknown = [name for name in chosen if name not in known]
     if unknown or not chosen:
         wrong = unknown[0] if unknown else repr(text)
-        raise InputError(f"{option}: {wrong}: must be of {', '.join(known)}")
+        raise InputError(f"{option}: {wrong}: expected some of {', '.join(known)}")
     return chosen

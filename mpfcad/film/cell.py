@@ -52,11 +52,11 @@ class CellFilm:
         most = self.groove.curvature_most(self.profile)
         refuse_unsound("film.curvature", self.curvature, 0.0, most)
         if self.shape == "paraboloid" and self.profile != "ideal":
-            raise InputError("film: cell paraboloid: profile filled: must be 'ideal', a mould's")
+            raise InputError("film: cell paraboloid: profile filled: expected 'ideal', a mould's")
         if not self.lowest > 0:
             raise InputError(
-                f"film: curvature {self.curvature:g} /mm: cells cut through the underside: must be "
-                f"below {self._curvature_limit():.6g} /mm"
+                f"film: curvature {self.curvature:g} /mm: cells cut through the underside: "
+                f"expected below {self._curvature_limit():.6g} /mm"
             )
 
     @property

@@ -59,14 +59,14 @@ def build_section(
     if made.measured is not None:
         if made.tip_radius or made.valley_radius:
             raise InputError(
-                "film: profile measured: has its own tips and valleys: radii must be 0"
+                "film: profile measured: has its own tips and valleys: expected radii of 0"
             )
         return measured_section(film, made.measured)
     for name in ("tip_radius", "valley_radius"):
         radius = getattr(made, name)
         if radius and not SMALLEST_RADIUS <= radius < np.inf:
             raise InputError(
-                f"film: {name}: {radius / um:g} µm: must be 0 or at least "
+                f"film: {name}: {radius / um:g} µm: expected 0 or at least "
                 f"{SMALLEST_RADIUS / um:g} µm"
             )
     return _Drawing(film, made, sliver).section()
@@ -100,7 +100,7 @@ class _Drawing:
         if radius > limit or reach > self.half_width / 2:
             most = min(limit, self.half_width / 2 * np.hypot(1.0, self.wall) / self.wall)
             raise InputError(
-                f"film: valley_radius: {radius / um:g} µm: larger than the groove allows: must be "
+                f"film: valley_radius: {radius / um:g} µm: larger than the groove allows: expected "
                 f"at most {most / um:.4g} µm"
             )
         if self.film.profile == "ideal":
@@ -154,7 +154,7 @@ class _Drawing:
         if radius and not free.min() > 0:
             raise InputError(
                 f"film: tip_radius: {radius / um:g} µm: larger than groove "
-                f"{int(np.argmin(free))} allows: must leave a surface between tip and valley"
+                f"{int(np.argmin(free))} allows: expected a surface between tip and valley"
             )
 
     def _flanks(self) -> Flank:

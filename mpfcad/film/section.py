@@ -216,6 +216,6 @@ def join_pieces(
         at = float(lowest[int(np.argmin(height))])
         raise InputError(
             f"film: surface at x = {at:.6g} mm: {height.min() * 1000:.4g} µm above the underside: "
-            "must be above 0"
+            "expected above 0"
         )
     return section

@@ -59,7 +59,7 @@ class ThicknessTable(Table):
     @model_validator(mode="after")
     def _order(self) -> "ThicknessTable":
         if self.min_mm >= self.max_mm:
-            raise ValueError(f"max_mm = {self.max_mm:g} must be above min_mm = {self.min_mm:g}")
+            raise ValueError(f"max_mm = {self.max_mm:g}: expected above min_mm = {self.min_mm:g}")
         return self
 
     def values(self) -> list[float]:
@@ -81,7 +81,7 @@ class SearchTable(Table):
     def _ascending(self) -> "SearchTable":
         films = self.uniform_per_mm
         if films is not None and sorted(set(films)) != films:
-            raise ValueError("uniform_per_mm must ascend")
+            raise ValueError("uniform_per_mm: expected ascending numbers")
         return self
 
 
@@ -110,7 +110,7 @@ class Design(Table):
         if self.thickness is None:
             return self
         if self.stack.thickness_mm is not None:
-            raise ValueError("stack.thickness_mm must be left out where [thickness] is given")
+            raise ValueError("stack.thickness_mm: expected no such field beside [thickness]")
         if self.search.method == "thesis":
             raise ValueError('search.method = "thesis" has no model to find a thickness by')
         return self

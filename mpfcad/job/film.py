@@ -105,7 +105,7 @@ class FilmTable(Table):
         pitch = groove.pitch + self._inside("pitch_error_um")
         if pitch <= 0:
             raise ValueError(
-                f"pitch_error_um: {self.pitch_error_um:g}: must be above {-self.pitch_um:g}"
+                f"pitch_error_um: {self.pitch_error_um:g}: expected above {-self.pitch_um:g}"
             )
         angle = groove.prism_angle + self._inside("prism_angle_error_deg")
         if not ANGLE_MIN <= angle <= ANGLE_MAX:

@@ -31,7 +31,7 @@ class LedConstraintTable(Table):
     def _order(self) -> "LedConstraintTable":
         low, high = self.curvature_min_per_mm, self.curvature_max_per_mm
         if low >= high:
-            raise ValueError(f"curvature_max_per_mm = {high:g} must be above {low:g}")
+            raise ValueError(f"curvature_max_per_mm = {high:g}: expected above {low:g}")
         return self
 
 

@@ -147,7 +147,7 @@ class GateTable(Table):
     def _order(self) -> "GateTable":
         if self.contrast_pass > self.contrast_marginal:
             raise ValueError(
-                f"contrast_pass = {self.contrast_pass:g} must be at most "
+                f"contrast_pass = {self.contrast_pass:g}: expected at most "
                 f"contrast_marginal = {self.contrast_marginal:g}"
             )
         return self

@@ -67,22 +67,22 @@ def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
     first = errors[0]
     field = ".".join(str(part) for part in first["loc"]) or "job"
     if first["type"] == "missing":
-        line = f"{field}: missing: required"
+        line = f"{field}: missing: expected a value"
     elif first["type"] == "extra_forbidden":
         known = _known_keys(root, first["loc"][:-1])
         line = f"{field}: {_shown(first['input'])}: unknown key; {known}"
     else:
-        line = f"{field}: {_shown(first['input'])}: {_allowed(dict(first))}"
+        line = f"{field}: {_shown(first['input'])}: {_expected(dict(first))}"
     more = len(errors) - 1
     return line + (f" (and {more} more error{'s' if more > 1 else ''})" if more else "")
 
 
-def _allowed(error: dict[str, Any]) -> str:
-    """Return what a field allows, from pydantic's message."""
+def _expected(error: dict[str, Any]) -> str:
+    """Return what is expected of a field, from pydantic's message."""
     if error["type"] == "string_pattern_mismatch":
-        return "must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"
+        return "expected 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"
     message = error["msg"].removeprefix("Value error, ")
-    return message.replace("Input should be", "must be", 1)
+    return message.replace("Input should be", "expected", 1)
 
 
 def _shown(value: Any) -> str:

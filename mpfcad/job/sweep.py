@@ -57,17 +57,17 @@ class Sweep(Table):
             if axis.partition(".")[0] not in _TABLES or "." not in axis:
                 if axis not in (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES):
                     raise ValueError(
-                        f"axis {axis}: must be table.field of a job, {FILL_AXIS}, {LAMP_AXIS} or "
+                        f"axis {axis}: expected table.field of a job, {FILL_AXIS}, {LAMP_AXIS} or "
                         f"one of {', '.join(REGISTRATION_AXES)}"
                     )
                 if not all(isinstance(value, float) for value in values):
-                    raise ValueError(f"axis {axis}: must be numbers")
+                    raise ValueError(f"axis {axis}: expected numbers")
             if len(set(values)) < len(values) or len({type(v) for v in values}) > 1:
-                raise ValueError(f"axis {axis}: must be all numbers or all words, none twice")
+                raise ValueError(f"axis {axis}: expected all numbers or all words, none twice")
             if self.design and (axis in (FILL_AXIS, *REGISTRATION_AXES) or axis[:4] == "map."):
                 raise ValueError(f"axis {axis}: has no meaning where [design] finds the map")
         if self.design and self.map:
-            raise ValueError("map: must be left out where [design] finds it")
+            raise ValueError("map: expected no map where [design] finds it")
         return self
 
     def document(self) -> dict[str, Any]:

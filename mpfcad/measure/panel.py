@@ -50,7 +50,7 @@ def check_finite(lit: Lit) -> None:
     """
     if not lit.is_finite:
         raise InputError(
-            f"{lit.stack.name}: extent: {lit.stack.extent}: must be panel to measure the panel"
+            f"{lit.stack.name}: extent: {lit.stack.extent}: expected panel to measure the panel"
         )
 
 

@@ -74,7 +74,7 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
     [
         ('{ kind = "bsdf", file = "gone.csv" }', "gone.csv: no such file"),
         ('{ kind = "bsdf" }', "layers: bsdf_1: file: None: expected a file name"),
-        ('{ kind = "glass", file = "sheet.csv" }', "must be a name or have a kind of"),
+        ('{ kind = "glass", file = "sheet.csv" }', "expected a name, or a table with a kind of"),
         ('{ kind = "bsdf", file = "sheet.csv", size = 1 }', "layers: bsdf_1: size: unknown key"),
         ('{ kind = "bsdf", file = "sheet.csv", interpolation = "cubic" }', "linear or none"),
         ('{ kind = "bsdf", file = "sheet.csv", interpolation = [] }', "linear or none"),
@@ -84,9 +84,12 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
         ('{ kind = "bsdf", file = "back.xml" }', "transmission from below: not in the file"),
         ('{ kind = "bsdf", file = "sheet.csv", reciprocal = 1 }', "reciprocal: 1: expected true"),
         ('{ kind = "bsdf", file = "hot.csv" }', "hot.csv: light from below, incidence"),
-        ('"bsdf"', "layers: bsdf: must be one of"),
-        ('{ kind = "bsdf", name = "reflector", file = "sheet.csv" }', "name: must not be"),
-        ('"top_sheet"', "0 films for the job's film: must be exactly one"),
+        ('"bsdf"', "layers: bsdf: expected one of"),
+        (
+            '{ kind = "bsdf", name = "reflector", file = "sheet.csv" }',
+            "name: expected one that no named layer has",
+        ),
+        ('"top_sheet"', "0 films for the job's film: expected exactly one"),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, layers, words):

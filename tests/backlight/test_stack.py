@@ -110,7 +110,7 @@ def test_elements_are_the_layers_from_the_lamps_up(tmp_path):
 def test_unknown_presets_and_missing_files(tmp_path):
     refused("thesis-40in", "no such preset", MPF)
     refused("../thesis-32in", "no such preset")
-    refused(tmp_path / "none.toml", "not found")
+    refused(tmp_path / "none.toml", "none.toml: no such file: expected a stack")
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_unknown_presets_and_missing_files(tmp_path):
         ('layers = ["film", "film"]\n', ["2 films"]),
         ('layers = ["film", { kind = "film" }]\n', ["2 films"]),
         ('layers = ["film", { kind = "foil" }]\n', ["foil", "bef"]),
-        ('layers = ["film", { kind = "film", file = "no.stl" }]\n', ["no.stl", "not found"]),
+        ('layers = ["film", { kind = "film", file = "no.stl" }]\n', ["no.stl", "no such file"]),
         ('layers = ["film", { kind = "sheet" }]\n', ["sheet_2.sigma", "missing"]),
         ('layers = ["film", { kind = "bef", pitch_mm = 5 }]\n', ["pitch_mm", "pitch_um"]),
         ('layers = ["film", { kind = "bef", pitch_um = 0.0 }]\n', ["bef_2.pitch_um", "1 … 2000"]),

@@ -89,13 +89,13 @@ def test_another_film_is_noticed(tmp_path):
 def test_what_is_refused(tmp_path):
     with pytest.raises(InputError, match="paraboloid: profile filled"):
         cells("paraboloid", "filled")
-    with pytest.raises(InputError, match=r"must be below 360 /mm"):
+    with pytest.raises(InputError, match=r"expected below 360 /mm"):
         cells("paraboloid", "ideal", 400.0)
-    with pytest.raises(InputError, match=r"must be below 720 /mm"):
+    with pytest.raises(InputError, match=r"expected below 720 /mm"):
         cells("pyramid", "ideal", 800.0)
     with pytest.raises(InputError, match=r"12 million: 3\.4 deg, or \d+ cells fit"):
         build_cell_mesh(cells("paraboloid", "ideal", 60.0, (100, 100)), 0.5 * deg)
     with pytest.raises(InputError, match="flat"):
         write_cell_step(cells(curvature=0.0), tmp_path / "film.step")
-    with pytest.raises(InputError, match="must hold at most"):
+    with pytest.raises(InputError, match="expected at most"):
         write_cell_step(cells(count=(200, 200)), tmp_path / "film.step")

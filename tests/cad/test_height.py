@@ -52,8 +52,8 @@ def test_the_first_row_is_the_far_end(tmp_path):
 
 def test_too_many_points_are_refused_with_what_fits(tmp_path):
     grid = build_height_grid((392.3, 697.4), (0.0025, 0.05), field().height)
-    with pytest.raises(InputError, match=r"must be at most 250 million: cad\.sample_along_um = 4"):
+    with pytest.raises(InputError, match=r"expected at most 250 million: cad\.sample_along_um = 4"):
         write_heights(grid, tmp_path / "film.tif", "film")
-    with pytest.raises(InputError, match=r"must be at most 1 million"):
+    with pytest.raises(InputError, match=r"expected at most 1 million"):
         write_heights(grid, tmp_path / "film.dat", "film")
     assert not list(tmp_path.iterdir())

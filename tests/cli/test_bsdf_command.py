@@ -47,7 +47,7 @@ def test_a_mesh_becomes_a_table_that_reads_back_and_converts(tmp_path, capsys, m
         (["gone.xml"], "gone.xml: no such file"),
         (["gone.stl"], "gone.stl: no such file"),
         (["bef.stl", "--basis", "fine"], "--basis: fine: expected klems-full"),
-        (["bef.stl", "--format", "ldt"], "--format: ldt: must be of klems, csv, zemax"),
+        (["bef.stl", "--format", "ldt"], "--format: ldt: expected some of klems, csv, zemax"),
         (["bef.stl", "bef.stl"], "several files: expected for Zemax .bsdf only"),
         (["a.csv", "b.csv"], "b.csv: several files: expected for Zemax .bsdf only"),
     ],

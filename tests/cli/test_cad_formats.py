@@ -55,7 +55,7 @@ def test_tiles_of_whole_grooves_cover_the_panel(job, tmp_path):
 
 def test_unknown_format_is_one_line(job, tmp_path, capsys):
     assert run_app(["cad", str(job("")), "--out", str(tmp_path / "o"), "--format", "iges"]) == 2
-    assert "iges: must be of step, stl, 3mf, ply" in capsys.readouterr().err
+    assert "iges: expected some of step, stl, 3mf, ply" in capsys.readouterr().err
 
 
 def test_an_imperfect_film_in_every_format(tmp_path, capsys):

@@ -124,7 +124,7 @@ def test_version():
         (["run"], "JOB.toml"),
         (["run", "job.toml", "--effort", "slow"], "--effort"),
         (["run", "job.toml", "--threads", "0"], "--threads"),
-        (["mask", "job.toml", "--format", "oas,pdf"], "--format: pdf: must be of oas, gds"),
+        (["mask", "job.toml", "--format", "oas,pdf"], "--format: pdf: expected some of oas, gds"),
         (["cad", "job.toml", "--format", ","], "--format: ','"),
         (["run", "nothing.toml"], "nothing.toml: no such file"),
         (["trace", "nothing.stl"], "nothing.stl: no such file"),

@@ -118,7 +118,7 @@ def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("shift_mm", "shift_um"), ["shift_um", "must be table.field"]),
+        (("shift_mm", "shift_um"), ["shift_um", "expected table.field"]),
         (("[50.0, 60.0]", "[50.0, 90.0]"), ["90", "not printable", "map.curvature_per_mm = 90"]),
         (("[50.0, 60.0]", "[50.0, 50.0]"), ["none twice"]),
         (("shift_mm = [0.0, 0.5]", '"film.profile" = ["filed"]'), ["film.profile: filed"]),

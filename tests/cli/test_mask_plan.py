@@ -78,7 +78,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
         ('[mask.mesh]\nname = "90-48"\nthread_um = 4.0', ["mask.mesh", "give either name or"]),
         ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, catalogue"]),
         ('[mask.mesh]\nname = "90-48"', ["grooves 0-679", "no common mesh would do"]),
-        ('pattern = "stripe"', ["mask.pattern: stripe: must be 'slot', 'dot'"]),
+        ('pattern = "stripe"', ["mask.pattern: stripe: expected 'slot', 'dot'"]),
         ("period_um = 700.0\n[mask.mesh]\nname = '90-48'", ["mesh 120-31 would do"]),
     ],
 )
@@ -105,4 +105,4 @@ def test_a_2d_map_is_refused_by_what_needs_one_section(tmp_path):
         "a mould is turned",
     )
     job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
-    refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: must be 'panel'")
+    refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: expected 'panel'")

@@ -176,8 +176,8 @@ def test_a_job_and_a_preset_are_cases(place):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["measure", "film.stl", "--what", "colour"], "--what: colour: must be of contrast"),
-        (["measure", "film.stl", "--what", "panel"], "extent: pitch: must be panel"),
+        (["measure", "film.stl", "--what", "colour"], "--what: colour: expected some of contrast"),
+        (["measure", "film.stl", "--what", "panel"], "extent: pitch: expected panel"),
         (["measure", "none.stl"], "none.stl: no such file"),
         (["measure", "none"], "none: no such preset"),
         (["measure", "cache"], "is no export of mpfcad"),

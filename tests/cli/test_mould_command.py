@@ -115,7 +115,7 @@ def test_measured_film(job, tmp_path, capsys):
         ("cad", "tip_radius_um = 60", [], "tip_radius: 60 µm: larger than groove 0 allows"),
         ("cad", "valley_radius_um = 20", [], "valley_radius: 20 µm: larger than the groove"),
         ("cad", "tip_radius_um = -1", [], "film.tip_radius_um: -1"),
-        ("cad", "pitch_error_um = -60", [], "film.pitch_error_um: -60: must be above -50"),
+        ("cad", "pitch_error_um = -60", [], "film.pitch_error_um: -60: expected above -50"),
         ("cad", "prism_angle_error_deg = 80", [], "film.prism_angle_error_deg: 80: expected"),
         (
             "cad",
@@ -153,9 +153,9 @@ def test_cells(job, tmp_path, capsys, cell, profile):
     ("command", "film", "words"),
     [
         ("cad", 'cell = "cone"', "film.cell: cone"),
-        ("cad", 'cell = "paraboloid"', "paraboloid: profile filled: must be 'ideal'"),
-        ("cad", 'cell = "pyramid"\ntip_radius_um = 1', "cells must be made as designed"),
-        ("mould", 'cell = "pyramid"', "film.cell: pyramid: must be 'groove' for a mould"),
+        ("cad", 'cell = "paraboloid"', "paraboloid: profile filled: expected 'ideal'"),
+        ("cad", 'cell = "pyramid"\ntip_radius_um = 1', "cells: expected a film as designed"),
+        ("mould", 'cell = "pyramid"', "film.cell: pyramid: expected 'groove' for a mould"),
         ("mask", 'cell = "pyramid"', "film.cell: pyramid: the process is calibrated for grooves"),
     ],
 )

@@ -103,8 +103,11 @@ def test_one_thickness_of_a_range_is_a_design_of_its_own():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("max_mm = 20.0", "max_mm = 8.0"), ["thickness", "max_mm = 8 must be above min_mm = 8"]),
-        (("[mask]", "[stack]\nthickness_mm = 16.0\n[mask]"), ["stack.thickness_mm must be left"]),
+        (("max_mm = 20.0", "max_mm = 8.0"), ["thickness", "max_mm = 8: expected above min_mm = 8"]),
+        (
+            ("[mask]", "[stack]\nthickness_mm = 16.0\n[mask]"),
+            ["stack.thickness_mm: expected no such field"],
+        ),
         (("iterations = 1", 'method = "thesis"'), ["thesis", "no model"]),
         (("min_mm = 8.0", "min_mm = 1.0"), ["thickness_mm: 1"]),
     ],

@@ -91,7 +91,7 @@ def test_negative_and_positive_are_the_block(curvature, tip, shrinkage, backing)
     [
         (Imperfection(0.1), "tip_radius: 100 µm: larger than groove 0 allows"),
         (Imperfection(0.0, 0.02), "valley_radius: 20 µm: larger than the groove allows"),
-        (Imperfection(0.00001), "tip_radius: 0.01 µm: must be 0 or at least 0.2 µm"),
+        (Imperfection(0.00001), "tip_radius: 0.01 µm: expected 0 or at least 0.2 µm"),
         (Imperfection(float("nan")), "tip_radius: nan"),
     ],
 )

@@ -91,7 +91,9 @@ def test_windows_of_a_mirrored_file_are_the_mirrored_windows(tmp_path):
     windows = []
     for mirror in (False, True):
         tool = Phototool(mirror=mirror)
-        windows.append(check_mask(written(tmp_path / "m.oas", mask, tool), mask, tool).windows.windows)
+        windows.append(
+            check_mask(written(tmp_path / "m.oas", mask, tool), mask, tool).windows.windows
+        )
     turned = {(width - box[2], box[1], width - box[0], box[3]) for box in windows[1]}
     assert len(turned) == len(windows[0]) > 9
     assert turned == set(windows[0])

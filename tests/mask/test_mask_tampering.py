@@ -106,18 +106,18 @@ def unit(layout, top):
 TAMPER = {
     other_size: r"groove 5 \(counted from 0\): an aperture is not where, or not as large",
     removed: r"groove 7 \(counted from 0\): an aperture is not where, or not as large",
-    shorter: r"groove 9 \(counted|\d+ apertures: wanted \d+",
+    shorter: r"groove 9 \(counted|\d+ apertures: expected \d+",
     extra: r"groove 31 \(counted from 0\): an aperture is not where, or not as large",
-    overlapping: r"groove 3 \(counted|\d+ apertures: wanted \d+",
+    overlapping: r"groove 3 \(counted|\d+ apertures: expected \d+",
     outside: "outside the outline",
     slanted: "no rectangle",
     turned: "turned or scaled",
     sheared: "oblique",
-    outline: "outline .*wanted",
+    outline: "outline .*expected",
     no_text: "text: states no polarity",
-    no_fiducial: "3 fiducials: wanted 4",
-    no_wedge: "coupon: wanted the step wedge",
-    unit: "database unit 0.002 µm: wanted 0.001",
+    no_fiducial: "3 fiducials: expected 4",
+    no_wedge: "coupon: expected the step wedge",
+    unit: "database unit 0.002 µm: expected 0.001",
 }
 
 
@@ -159,9 +159,9 @@ def aperture(top, groove):
         (lambda top: aperture(top, 5).scale(1, 1.2), "groove 5 "),
         (
             lambda top: top.labels[0].__setattr__("text", "other sha256:0"),
-            "text: wanted 'test-job'",
+            "text: expected 'test-job'",
         ),
-        (lambda top: top.remove(*[p for p in top.polygons if p.layer == 20]), "coupon: wanted"),
+        (lambda top: top.remove(*[p for p in top.polygons if p.layer == 20]), "coupon: expected"),
     ],
 )
 def test_tampering_with_oasis_is_found(tmp_path, change, message):
@@ -208,7 +208,7 @@ TEXTUAL = {
         (r"M02\*\n", "", "not a readable mask"),
         (r"%ADD(\d+)R,0.050000X", r"%ADD\1R,0.040000X", "groove"),
     ],
-    "dxf": [("sha256:", "sha512:", "text: wanted 'test-job'")],
+    "dxf": [("sha256:", "sha512:", "text: expected 'test-job'")],
 }
 
 

@@ -75,5 +75,5 @@ def test_a_finite_picture_changes_along_the_lamps(small):
 
 def test_a_stack_without_end_has_no_corners(mesh):
     lit = light_film(read_stack("thesis-32in-mpf"), mesh)
-    with pytest.raises(InputError, match="extent: pitch: must be panel"):
+    with pytest.raises(InputError, match="extent: pitch: expected panel"):
         panel_luminance(lit, TraceRun(), 0.1)

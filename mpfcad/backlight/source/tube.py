@@ -170,16 +170,16 @@ class TubeRow:
         thickness, width = stack["thickness_mm"], stack["panel_width_mm"]
         if height < radius:
             raise InputError(
-                f"{where}: lamp_height_mm: {height:g}: must be at least the radius {radius:g}"
+                f"{where}: lamp_height_mm: {height:g}: expected at least the radius {radius:g}"
             )
         if thickness <= height + radius:
             raise InputError(
-                f"{where}: thickness_mm: {thickness:g}: must be above the lamps' tops at "
+                f"{where}: thickness_mm: {thickness:g}: expected above the lamps' tops at "
                 f"{height + radius:g} mm"
             )
         if self.pitch <= 2 * radius:
             raise InputError(
-                f"{where}: lamp_pitch_mm: {self.pitch:g}: must be above the lamps' diameter "
+                f"{where}: lamp_pitch_mm: {self.pitch:g}: expected above the lamps' diameter "
                 f"{2 * radius:g}"
             )
         if self.lamp_position(0) < 0:
@@ -198,10 +198,10 @@ class TubeRow:
             if not self.is_finite:
                 raise InputError(
                     f"{where}: {key}: {quantity.value:g}: lamps differ on a whole panel only: "
-                    'extent must be "panel"'
+                    'expected extent = "panel"'
                 )
             if number > self.count:
-                raise InputError(f"{where}: {key}: lamp {number}: must be at most {self.count}")
+                raise InputError(f"{where}: {key}: lamp {number}: expected at most {self.count}")
         if not self.is_finite:
             return
         radius, width = self.stack["lamp_radius_mm"], self.stack["panel_width_mm"]
@@ -211,10 +211,12 @@ class TubeRow:
         if not all(edges) or any(gap <= 2 * radius for gap in gaps):
             raise InputError(
                 f"{where}: lamp_N_shift_mm: lamps at {', '.join(f'{p:g}' for p in position)} mm: "
-                f"must stay {2 * radius:g} mm apart and within the panel's {width:g} mm"
+                f"expected {2 * radius:g} mm apart and within the panel's {width:g} mm"
             )
         if not any(self.lamp_factor(i) for i in range(self.count)):
-            raise InputError(f"{where}: lamp_N_luminance_factor: all 0: one lamp must shine")
+            raise InputError(
+                f"{where}: lamp_N_luminance_factor: all 0: expected a lamp that shines"
+            )
 
     def lower(self, tables: Mapping[str, Any]) -> "Cavity":
         """Return the cavity with its lamps."""

@@ -69,7 +69,7 @@ def refuse_above(path: Path, what: str, value: float, limit: float) -> None:
     """Raise ExportError unless `value` is at most `limit`."""
     # Written so that NaN fails.
     if not value <= limit:
-        raise ExportError(f"{path.name}: {what}: {value:.3g}: must be at most {limit:.3g}")
+        raise ExportError(f"{path.name}: {what}: {value:.3g}: expected at most {limit:.3g}")
 
 
 def read_facets(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -59,10 +59,10 @@ def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> Bo
     except lib3mf.ELib3MFException as error:
         raise ExportError(f"{path.name}: lib3mf cannot read this file: {error}") from error
     if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
-        raise ExportError(f"{path.name}: unit {model.GetUnit()}: must be mm")
+        raise ExportError(f"{path.name}: unit {model.GetUnit()}: expected mm")
     bodies = _placed_meshes(path, model)
     if set(bodies) != set(expected):
-        raise ExportError(f"{path.name}: bodies {sorted(bodies)}: must be {sorted(expected)}")
+        raise ExportError(f"{path.name}: bodies {sorted(bodies)}: expected {sorted(expected)}")
     volume, count = {}, {}
     for name, mesh in bodies.items():
         if not mesh.IsManifoldAndOriented():
@@ -188,4 +188,4 @@ def check_volume(path: Path, name: str, found: float, wanted: float, whole: floa
     """
     error = abs(found - wanted) / whole
     if not error <= VOLUME_TOLERANCE:
-        raise ExportError(f"{path.name}: {name}: volume {found:.6g} mm³: must be {wanted:.6g} mm³")
+        raise ExportError(f"{path.name}: {name}: volume {found:.6g} mm³: expected {wanted:.6g} mm³")

@@ -174,15 +174,15 @@ def check_text(
     """
     if found.units != MILLIMETRE:
         raise ExportError(
-            f"{path.name}: length units {sorted(found.units)}: must all be millimetres"
+            f"{path.name}: length units {sorted(found.units)}: expected all millimetres"
         )
     if not set(solids) <= found.products:
         raise ExportError(
-            f"{path.name}: products {sorted(found.products)}: must hold {sorted(solids)}"
+            f"{path.name}: products {sorted(found.products)}: expected {sorted(solids)}"
         )
     wanted = sum(solids.values())
     if found.solid_count != wanted:
-        raise ExportError(f"{path.name}: {found.solid_count} solids: must be {wanted}")
+        raise ExportError(f"{path.name}: {found.solid_count} solids: expected {wanted}")
     return _check_parabolas(path, found, film)
 
 

@@ -107,7 +107,7 @@ def check_dxf(path: Path, section: Section) -> float:
     except (OSError, ezdxf.DXFError) as error:
         raise ExportError(f"{path.name}: cannot be read: {error}") from error
     if document.header.get("$INSUNITS") != MILLIMETRE:
-        raise ExportError(f"{path.name}: $INSUNITS: must be {MILLIMETRE} (mm)")
+        raise ExportError(f"{path.name}: $INSUNITS: expected {MILLIMETRE} (mm)")
     (spline,) = document.modelspace().query("SPLINE")
     (polyline,) = document.modelspace().query("LWPOLYLINE")
     if not (spline.closed and polyline.closed):

@@ -92,7 +92,7 @@ def write_heights(grid: HeightGrid, path: Path, name: str) -> None:
         wider = dy * nx * ny / most
         raise InputError(
             f"film{path.suffix}: {grid.size[0]:.6g} x {grid.size[1]:.6g} mm, a point each "
-            f"{dx / um:.4g} x {dy / um:.4g} µm: {nx * ny / 1e6:.4g} million points: must be at "
+            f"{dx / um:.4g} x {dy / um:.4g} µm: {nx * ny / 1e6:.4g} million points: expected at "
             f"most {most / 1e6:g} million: cad.sample_along_um = {math.ceil(wider / um):g} fits"
         )
     part = path.with_name("." + path.name + ".part")
@@ -178,7 +178,8 @@ def check_heights(path: Path, grid: HeightGrid) -> HeightCheck:
     found, step = (_read_tiff if path.suffix == ".tif" else _read_text)(path)
     if found.shape != grid.shape or not np.allclose(step, grid.step, rtol=1e-6, atol=0):
         raise ExportError(
-            f"{path.name}: {found.shape} points, {step} mm apart: must be {grid.shape}, {grid.step}"
+            f"{path.name}: {found.shape} points, {step} mm apart: "
+            f"expected {grid.shape}, {grid.step}"
         )
     error = 0.0
     for rows, columns, wanted in grid.blocks(TILE):
@@ -201,7 +202,7 @@ def _read_tiff(path: Path) -> tuple[NDArray[np.float32], tuple[float, float]]:
     finally:
         Image.MAX_IMAGE_PIXELS = limit
     if found.dtype != np.float32:
-        raise ExportError(f"{path.name}: {found.dtype} numbers: must be float32")
+        raise ExportError(f"{path.name}: {found.dtype} numbers: expected float32")
     return found, (10 / dots[0], 10 / dots[1])
 
 
@@ -214,5 +215,5 @@ def _read_text(path: Path) -> tuple[NDArray[np.float64], tuple[float, float]]:
     except (OSError, ValueError, IndexError) as error:
         raise ExportError(f"{path.name}: not a grid sag file: {error}") from error
     if unit != "0":
-        raise ExportError(f"{path.name}: unit flag {unit}: must be 0, mm")
+        raise ExportError(f"{path.name}: unit flag {unit}: expected 0, mm")
     return found, (float(dx), float(dy))

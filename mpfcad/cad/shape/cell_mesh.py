@@ -40,7 +40,7 @@ def build_cell_mesh(film: CellFilm, angle_tolerance: float) -> Mesh:
         hint = f"{wider:.1f} deg, or " if wider < WIDEST else ""
         raise InputError(
             f"film: {film.count[0]} x {film.count[1]} cells at {angle_tolerance / deg:g} deg: "
-            f"{each * cells / 1e6:.3g} million facets: must be at most {MOST_FACETS / 1e6:g} "
+            f"{each * cells / 1e6:.3g} million facets: expected at most {MOST_FACETS / 1e6:g} "
             f"million: {hint}{MOST_FACETS // each} cells fit"
         )
     vertices, top = _pyramids(film, steps) if pyramid else _dishes(film, steps)

@@ -112,7 +112,7 @@ def _check_count(
     room = MOST_FACETS / facets
     raise InputError(
         f"film: {width:.6g} x {length:.6g} mm at {angle_tolerance / deg:g} deg: "
-        f"{facets / 1e6:.3g} million facets: must be at most {MOST_FACETS / 1e6:g} million: "
+        f"{facets / 1e6:.3g} million facets: expected at most {MOST_FACETS / 1e6:g} million: "
         f"{math.floor(width * length * room):g} mm² of this map fit, or about "
         f"{math.ceil(angle_tolerance / deg / math.sqrt(room) * 10) / 10:g} deg"
     )

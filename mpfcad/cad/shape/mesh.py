@@ -83,7 +83,7 @@ def build_cross_section(
     """
     check_drawable(film)
     if not (math.isfinite(angle_tolerance) and angle_tolerance > 0):
-        raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: must be above 0 deg")
+        raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: expected above 0 deg")
     contact = mesh_contact(film)
     reach = np.arctan(film.curvature * contact)
     # A chord may come out one step wider than planned.

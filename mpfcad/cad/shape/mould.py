@@ -66,7 +66,7 @@ def build_mould(
     made = imperfection or Imperfection()
     if tool_radius and made.measured is not None:
         raise InputError(
-            f"tool radius: {tool_radius / um:g} µm: must be 0 for a measured profile, whose "
+            f"tool radius: {tool_radius / um:g} µm: expected 0 for a measured profile, whose "
             "corners no tool cuts"
         )
     options = {} if sliver is None else {"sliver": sliver}
@@ -78,9 +78,10 @@ def build_mould(
         try:
             cut = build_section(film, replace(made, tip_radius=nose), **options)
         except InputError as error:
-            text = str(error).partition(": must")[2]
+            text = str(error).partition(": expected")[2]
             raise InputError(
-                f"tool radius: {tool_radius / um:g} µm: does not fit the film's tips: must{text}"
+                f"tool radius: {tool_radius / um:g} µm: does not fit the film's tips: "
+                f"expected{text}"
             ) from None
     level = outline.thickness
     negative = outline.turned_over(level, backing * shrink).scaled(1 / shrink)

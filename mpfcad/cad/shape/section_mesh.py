@@ -154,7 +154,7 @@ def build_section_mesh(section: Section, angle_tolerance: float) -> Mesh:
         when float32 cannot hold so fine a mesh.
     """
     if not (math.isfinite(angle_tolerance) and angle_tolerance > 0):
-        raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: must be above 0 deg")
+        raise InputError(f"angle_tolerance: {angle_tolerance / deg:g} deg: expected above 0 deg")
     x, z, _ = build_outline(section, angle_tolerance)
     corners = len(x)
     foot = np.unique(np.append(np.arange(0, corners, BLOCK), corners - 1))

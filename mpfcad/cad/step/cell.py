@@ -31,10 +31,10 @@ def write_cell_step(
     """
     cells = film.count[0] * film.count[1]
     if cells > MOST_CELLS:
-        raise InputError(f"film: {cells} cells: a STEP file must hold at most {MOST_CELLS}")
+        raise InputError(f"film: {cells} cells: expected at most {MOST_CELLS} in a STEP file")
     if film.curvature / 2 * film.groove.half_width**2 < FLAT:
         raise InputError(
-            f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: must have cells"
+            f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: expected cells"
         )
     solid = PatchSolid(header)
     draw = _draw_pyramid if film.shape == "pyramid" else _draw_dish

@@ -67,9 +67,9 @@ def write_field_step(
     if count > MOST_PATCHES:
         width, length = film.size
         raise InputError(
-            f"film: {width:.6g} x {length:.6g} mm: {count} patches: a STEP file must hold at most "
-            f"{MOST_PATCHES}: {math.floor(width * length * MOST_PATCHES / count)} mm² of this map "
-            "fit"
+            f"film: {width:.6g} x {length:.6g} mm: {count} patches: expected at most "
+            f"{MOST_PATCHES} in a STEP file: "
+            f"{math.floor(width * length * MOST_PATCHES / count)} mm² of this map fit"
         )
     solid = PatchSolid(header)
     near = [rows[0], *(a + b for a, b in pairwise(rows)), rows[-1]]

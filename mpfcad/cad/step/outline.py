@@ -30,9 +30,9 @@ def check_drawable(film: PrismFilm) -> None:
     }
     for field, value in sizes.items():
         if not (np.isfinite(value) and value > 0):
-            raise InputError(f"film: {field}: {value:g} mm: must be above 0 mm")
+            raise InputError(f"film: {field}: {value:g} mm: expected above 0 mm")
     if film.groove_count == 0:
-        raise InputError("film: grooves: 0: must be at least 1")
+        raise InputError("film: grooves: 0: expected at least 1")
     curvature = film.curvature
     bad = ~(np.isfinite(curvature) & (curvature >= 0))
     limit = np.inf
@@ -43,7 +43,7 @@ def check_drawable(film: PrismFilm) -> None:
         index = int(np.argmax(bad))
         raise InputError(
             f"film: curvature of groove {index}: {curvature[index]:g} /mm:"
-            f" must be at least 0 and below {limit:g} /mm"
+            f" expected at least 0 and below {limit:g} /mm"
         )
 
 

@@ -19,7 +19,7 @@ def command(
         with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(TEMPLATE)
     except FileExistsError:
-        raise InputError(f"{path}: exists: must be a new file") from None
+        raise InputError(f"{path}: exists: expected a new file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     print(path)

@@ -87,7 +87,7 @@ def command(
 
     rows = _read_coupons(files or [], aperture or [], coupons)
     if out is not None and any(ratio is None for _, ratio in rows):
-        raise InputError("--out: an aperture ratio must be given for each file")
+        raise InputError("--out: expected an --aperture for each file")
     groove = Groove(pitch_um * um, depth_um * um)
     option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct)
     traces = [read_stylus_trace(path, groove, widths or 2, option) for path, _ in rows]

@@ -62,7 +62,7 @@ class FieldPiece:
         top = float(self.curvature.max())
         if self.profile == "ideal" and top >= limit:
             raise InputError(
-                f"film: curvature {top:g} /mm: a groove cuts through the underside: must be below "
+                f"film: curvature {top:g} /mm: a groove cuts through the underside: expected below "
                 f"{limit:.6g} /mm"
             )
 

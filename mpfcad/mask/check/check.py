@@ -115,7 +115,7 @@ def check_mask(path: Path, mask: Mask, phototool: Phototool | None = None) -> Ma
 def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask) -> MaskCheck:
     width, length = round(mask.width / GRID), round(mask.length / GRID)
     if found.outline != (0, 0, width, length):
-        raise ExportError(f"{path}: outline {found.outline}: wanted {(0, 0, width, length)} (nm)")
+        raise ExportError(f"{path}: outline {found.outline}: expected {(0, 0, width, length)} (nm)")
     tally = Tally(
         path,
         _groove_edges(mask, phototool),
@@ -132,7 +132,7 @@ def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask
     error = _ratio_error(mask, ratio)
     _check_apertures(path, mask, phototool, found)
     if is_open and tally.count != mask.aperture_count:
-        raise ExportError(f"{path}: {tally.count} apertures: wanted {mask.aperture_count}")
+        raise ExportError(f"{path}: {tally.count} apertures: expected {mask.aperture_count}")
     _check_text(path, mask, phototool, found.text)
     _check_furniture(path, mask, phototool, found)
     if is_open:
@@ -251,23 +251,23 @@ def _ratio_error(mask: Mask, ratio: NDArray[np.float64]) -> float:
 def _check_text(path: Path, mask: Mask, phototool: Phototool, text: tuple[str, ...]) -> None:
     """Refuse a text without name and hash, or with another polarity, view or emulsion side."""
     if f"{mask.name} sha256:{mask.content_hash}" not in text:
-        raise ExportError(f"{path}: text: wanted {mask.name!r} with hash {mask.content_hash}")
+        raise ExportError(f"{path}: text: expected {mask.name!r} with hash {mask.content_hash}")
     for line in (phototool.statement, *phototool.notes):
         if line not in text:
-            raise ExportError(f"{path}: text: wanted {line!r}")
+            raise ExportError(f"{path}: text: expected {line!r}")
 
 
 def _check_furniture(path: Path, mask: Mask, phototool: Phototool, found: FoundMask) -> None:
     """Refuse a wrong number of fiducials, one inside the panel, and another coupon."""
     wanted = 4 if "fiducial" in phototool.furniture else 0
     if len(found.fiducials) != wanted:
-        raise ExportError(f"{path}: {len(found.fiducials)} fiducials: wanted {wanted}")
+        raise ExportError(f"{path}: {len(found.fiducials)} fiducials: expected {wanted}")
     left, bottom, right, top = found.outline
     for box in found.fiducials:
         if box[2] > left and box[0] < right and box[3] > bottom and box[1] < top:
             raise ExportError(f"{path}: a fiducial inside the panel")
     if _patches(found.coupon) != _patches(draw(mask, phototool, paints=True).coupon):
-        raise ExportError(f"{path}: coupon: wanted the step wedge")
+        raise ExportError(f"{path}: coupon: expected the step wedge")
 
 
 def _patches(coupon: tuple[ApertureArray, ...]) -> list[tuple[int, ...]]:

@@ -65,7 +65,7 @@ def read_polarity(path: Path, text: tuple[str, ...]) -> Polarity:
     for polarity in ("open", "closed"):
         if any(line.startswith(f"drawn = {polarity};") for line in text):
             return polarity
-    raise ExportError(f"{path}: text: states no polarity: wanted 'drawn = open' or 'closed'")
+    raise ExportError(f"{path}: text: states no polarity: expected 'drawn = open' or 'closed'")
 
 
 def region_of(arrays: Iterator[ApertureArray], box: Box) -> "kdb.Region":

@@ -44,7 +44,7 @@ def open_layout(path: Path) -> "kdb.Layout":
     except RuntimeError as error:
         raise ExportError(f"{path}: not a readable mask: {' '.join(str(error).split())}") from None
     if top is None or abs(layout.dbu - DATABASE_UNIT) > 1e-12:
-        raise ExportError(f"{path}: database unit {layout.dbu:g} µm: wanted {DATABASE_UNIT:g}")
+        raise ExportError(f"{path}: database unit {layout.dbu:g} µm: expected {DATABASE_UNIT:g}")
     _number_layers(layout)
     return layout
 
@@ -99,7 +99,7 @@ def read_outline(path: Path, layout: "kdb.Layout") -> Box:
     shapes = [] if layer is None else list(layout.top_cell().shapes(layer).each())
     boxes = [_rectangle(shape) for shape in shapes]
     if len(boxes) != 1 or boxes[0] is None:
-        raise ExportError(f"{path}: layer {OUTLINE}/0: wanted one rectangle, the panel's outline")
+        raise ExportError(f"{path}: layer {OUTLINE}/0: expected one rectangle, the panel's outline")
     box = boxes[0]
     return box.left, box.bottom, box.right, box.top
 

@@ -44,7 +44,7 @@ def _find(path: Path, root: ElementTree.Element) -> FoundMask:
         root.attrib["viewBox"].split()[2]
     )
     if abs(scale - 1) > 1e-9:
-        raise ExportError(f"{path}: one unit is {scale:g} mm: wanted 1")
+        raise ExportError(f"{path}: one unit is {scale:g} mm: expected 1")
     found = (root.findtext(f"{_SVG}{tag}", "") for tag in ("title", "desc"))
     text = tuple(line for part in found for line in part.split("\n"))
     groups: dict[str, list[ElementTree.Element]] = {}

@@ -68,9 +68,9 @@ def read_tiff(
     for tag, value in wanted.items():
         # A field that is left out has its standard value: one bit, per inch.
         if tags.get(tag, _STANDARD.get(tag)) != value:
-            raise ExportError(f"{path}: TIFF tag {tag}: {tags.get(tag)}: wanted {value}")
+            raise ExportError(f"{path}: TIFF tag {tag}: {tags.get(tag)}: expected {value}")
     if tags[COMPRESSION][0] not in DEFLATE:
-        raise ExportError(f"{path}: TIFF compression {tags[COMPRESSION][0]}: wanted deflate")
+        raise ExportError(f"{path}: TIFF compression {tags[COMPRESSION][0]}: expected deflate")
     pixel = INCH * denominator / numerator
     corner = _corner(path, text)
     top = tags[HEIGHT][0] - corner[1] - round(length / pixel)
@@ -86,7 +86,7 @@ def _corner(path: Path, text: tuple[str, ...]) -> tuple[int, int]:
         words = line.split()
         if line.startswith("panel from pixel "):
             return int(words[3]), int(words[7])
-    raise ExportError(f"{path}: description: wanted where the panel is")
+    raise ExportError(f"{path}: description: expected the panel's place")
 
 
 def _read_tags(data: NDArray[np.uint8]) -> tuple[dict[int, tuple[int, ...]], str]:

@@ -41,7 +41,7 @@ def design_constraint(design: Design, job: Job, process: Process | None, file: P
     high = high or IDEAL_CURVATURE_MAX
     if high - low < 1e-3:
         raise InputError(
-            f"{file}: constraint.curvature_max_per_mm: {high:.4g}: must be above the "
+            f"{file}: constraint.curvature_max_per_mm: {high:.4g}: expected above the "
             f"smallest curvature {low:.4g}, of the constraint and of what can be printed"
         )
     return Constraint(low, high, _change_max(design, job, process), table.harmonics)

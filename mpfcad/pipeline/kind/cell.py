@@ -95,4 +95,4 @@ class Cells(Kind):
         }
 
     def mould_film(self, where: str) -> MadeFilm:
-        raise InputError(f"{where}: film.cell: {self.film.shape}: must be 'groove' for a mould")
+        raise InputError(f"{where}: film.cell: {self.film.shape}: expected 'groove' for a mould")

@@ -81,7 +81,7 @@ def read_case(
         return Case(path.stem, path.name, light_film(placed, path, offset))
     if path.suffix or path.name != source:
         raise InputError(
-            f"{source}: no such file: must be a closed mesh in mm, a job, an export or a preset"
+            f"{source}: no such file: expected a closed mesh in mm, a job, an export or a preset"
         )
     return _plain_case(read_stack(source, thickness=thickness))
 
@@ -113,7 +113,9 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
     try:
         manifest = check_manifest(folder)
         if "verification.json" not in manifest["files"]:
-            raise InputError(f"{folder}: holds no verification.json: must be of mpfcad run")
+            raise InputError(
+                f"{folder}: holds no verification.json: expected an export of mpfcad run"
+            )
         record = json.loads((folder / "verification.json").read_text("utf-8"))
     except ExportError as error:
         raise InputError(str(error)) from None

@@ -39,7 +39,7 @@ def read_field_film(job: Job, file: Path, where: str, groove_count: int, stack: 
     """
     if job.map.extent != "panel":
         raise InputError(
-            f"{where}: map.extent: {job.map.extent}: must be 'panel' for a map that varies "
+            f"{where}: map.extent: {job.map.extent}: expected 'panel' for a map that varies "
             f"along the grooves too"
         )
     groove = job.film.groove
@@ -63,7 +63,7 @@ def cut_window(job: Job, film: FieldFilm, stack: Stack, where: str) -> tuple[int
     """
     if not job.film.is_plain:
         raise InputError(
-            f"{where}: map.file: {job.map.file}: varies along the grooves too: the film must be "
+            f"{where}: map.file: {job.map.file}: varies along the grooves too: expected "
             "grooves as designed, without cells or imperfections"
         )
     table, pitch = job.cad, film.groove.pitch
@@ -79,7 +79,7 @@ def cut_window(job: Job, film: FieldFilm, stack: Stack, where: str) -> tuple[int
     elif first + count > film.groove_count:
         most = (film.groove_count - count) * pitch
         raise InputError(
-            f"{where}: cad.start_across_mm: {start:g}: must be at most {most:g}, for a piece "
+            f"{where}: cad.start_across_mm: {start:g}: expected at most {most:g}, for a piece "
             f"{count * pitch:g} mm wide"
         )
     along = _start_along(table, film.length, where)
@@ -90,13 +90,13 @@ def _start_along(table: CadTable, length: float, where: str) -> float:
     """Return y [mm] on the panel of the piece's lower end; in the panel's middle unless given."""
     most = length - table.length
     if most < 0:
-        raise InputError(f"{where}: cad.length_mm: {table.length:g}: must be at most {length:g}")
+        raise InputError(f"{where}: cad.length_mm: {table.length:g}: expected at most {length:g}")
     start = table.inside("start_along_mm")
     if start is None:
         return most / 2
     if start > most:
         raise InputError(
-            f"{where}: cad.start_along_mm: {start:g}: must be at most {most:g}, for a piece "
+            f"{where}: cad.start_along_mm: {start:g}: expected at most {most:g}, for a piece "
             f"{table.length:g} mm long"
         )
     return start
@@ -120,7 +120,7 @@ def refuse_window(job: Job, where: str) -> None:
         if getattr(job.cad, name) is not None:
             raise InputError(
                 f"{where}: cad.{name}: {getattr(job.cad, name):g}: is for maps that vary along the "
-                "grooves too: must be left out"
+                "grooves too: expected no such field"
             )
 
 

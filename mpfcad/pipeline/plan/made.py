@@ -87,9 +87,9 @@ def _draw_made(
 def _draw_cells(job: Job, shape: CellShape, piece: PrismFilm, where: str) -> CellFilm:
     """Return the film of cells, as many as the piece's size holds."""
     if job.map.curvature_per_mm is None:
-        raise InputError(f"{where}: map.file: {job.map.file}: cells must have one curvature")
+        raise InputError(f"{where}: map.file: {job.map.file}: cells: expected one curvature")
     if not job.film.model_copy(update={"cell": "groove"}).is_plain:
-        raise InputError(f"{where}: film.cell: {job.film.cell}: cells must be made as designed")
+        raise InputError(f"{where}: film.cell: {job.film.cell}: cells: expected a film as designed")
     along = max(round(piece.length / piece.groove.pitch), 1)
     count = (piece.groove_count, along)
     curvature = job.map.curvature_per_mm

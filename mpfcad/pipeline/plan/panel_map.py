@@ -79,7 +79,9 @@ class FieldMap:
         """Return the panel's section at the window's lower end, and the window."""
         first, window = cut_window(job, self.film, stack, where)
         if stack.resin_scatters:
-            raise InputError(f"{where}: resin: scatters: the map must not vary along the grooves")
+            raise InputError(
+                f"{where}: resin: scatters: expected a map that does not vary along the grooves"
+            )
         panel = field_section(self.film, window.origin[1], job.film.base)
         piece = panel.cut(first, window.groove_count, window.size[1])
         return Laid(panel, piece, window, first, self.film, None)

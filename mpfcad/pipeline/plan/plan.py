@@ -178,10 +178,12 @@ def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
     if not stack.resin_scatters:
         return
     if job.film.profile != "filled":
-        raise InputError(f"{where}: film.profile: ideal: has no resin of its own: must be 'filled'")
+        raise InputError(
+            f"{where}: film.profile: ideal: has no resin of its own: expected 'filled'"
+        )
     if not job.film.is_plain:
         raise InputError(
-            f"{where}: resin: scatters: the film must be grooves as designed, without imperfections"
+            f"{where}: resin: scatters: expected grooves as designed, without imperfections"
         )
 
 
@@ -295,7 +297,7 @@ def read_job_stack(job: Job, job_file: Path) -> Stack:
         if "film_index" in overrides:
             raise InputError(
                 f"{job_file}: stack.override.film_index: {overrides['film_index']}: "
-                f"must be left out when film.refractive_index is given"
+                f"expected no such override beside film.refractive_index"
             )
         overrides["film_index"] = index
     overrides.update(job.resin.document() if job.resin else {})

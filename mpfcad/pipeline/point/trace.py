@@ -121,7 +121,7 @@ def _build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
         groove = validate(FilmTable, document.get("film", {}), f"{file}: film").groove
         fill = coordinate[FILL_AXIS]
         if not 0 <= fill < 1:
-            raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: must be 0 up to below 1")
+            raise InputError(f"{file}: axis.{FILL_AXIS}: {fill:g}: expected 0 up to below 1")
         document["map"] = {"curvature_per_mm": float(groove.curvature_of_fill(fill))}
     if LAMP_AXIS in coordinate:
         _spread_lamps(document, file, coordinate[LAMP_AXIS])
@@ -138,7 +138,9 @@ def _build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
 def _spread_lamps(document: dict[str, Any], file: Path, count: float) -> None:
     """Write so many lamps, evenly over the panel's width, into a job's document."""
     if count < 1 or count != int(count):
-        raise InputError(f"{file}: axis.{LAMP_AXIS}: {count:g}: must be whole and at least 1")
+        raise InputError(
+            f"{file}: axis.{LAMP_AXIS}: {count:g}: expected a whole number of 1 or more"
+        )
     job = build_job({**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}, str(file))
     width = read_job_stack(job, file).panel_width
     override = document.setdefault("stack", {}).setdefault("override", {})

@@ -195,10 +195,12 @@ def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
     allowed = kind.formats
     unknown = [name for name in formats if name not in allowed]
     if unknown:
-        raise InputError(f"--format: {unknown[0]}: such a film is written as {', '.join(allowed)}")
+        raise InputError(
+            f"--format: {unknown[0]}: expected some of {', '.join(allowed)} for such a film"
+        )
     if plan.job.cad.stl == "tiles" and kind.tile(0, 1) is None:
         raise InputError(
-            f"{where}: cad.stl: tiles: must be 'whole' for cells and maps that vary along grooves"
+            f"{where}: cad.stl: tiles: expected 'whole' for cells and maps that vary along grooves"
         )
 
 
@@ -213,10 +215,10 @@ def refuse_unprintable(job: Job, where: str) -> None:
     if job.film.cell != "groove":
         raise InputError(
             f"{where}: film.cell: {job.film.cell}: the process is calibrated for grooves, so there "
-            f"is no mask: must be 'groove'"
+            f"is no mask: expected 'groove'"
         )
     if job.film.profile != "filled":
         raise InputError(
             f"{where}: film.profile: ideal: resin cannot fill below the walls, so there is no "
-            f"mask: must be 'filled'"
+            f"mask: expected 'filled'"
         )

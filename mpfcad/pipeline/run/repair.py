@@ -63,7 +63,9 @@ def _write(vertex: Any, facet: Any, out: Path) -> None:
     try:
         write_mesh(Mesh(vertex, facet), fresh, "repaired")
         if out.exists() and out.read_bytes() != fresh.read_bytes():
-            raise InputError(f"{out}: exists and is another mesh: must be moved away to repair")
+            raise InputError(
+                f"{out}: exists and is another mesh: expected no such file: move it away"
+            )
         fresh.replace(out)
     finally:
         fresh.unlink(missing_ok=True)

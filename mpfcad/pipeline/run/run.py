@@ -260,7 +260,7 @@ def trace_mesh(
     from mpfcad.record import describe_cell, describe_luminance
 
     if mesh is not None and not mesh.is_file():
-        raise InputError(f"{mesh}: no such file: must be a closed mesh in mm")
+        raise InputError(f"{mesh}: no such file: expected a closed mesh in mm")
     setting = TRACE_SETTINGS[effort]
     repaired = None
     if repair and mesh is not None:

@@ -40,7 +40,7 @@ def verify_export(
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder: must be an export of mpfcad run")
+        raise InputError(f"{folder}: no such folder: expected an export of mpfcad run")
     progress.stage("hashing every file")
     manifest = check_manifest(folder)
     if VERIFICATION not in manifest["files"]:

@@ -102,7 +102,7 @@ def _parsed(path: Path, header: list[str], rows: list[tuple[int, list[str]]]):
                 f"({' or '.join(WAYS)}) and {len(header) - 2} numbers"
             ) from None
     if not len(rows):
-        raise InputError(f"{path}: no rows: must hold 1 or more")
+        raise InputError(f"{path}: no rows: expected 1 or more")
     value = numbers[:, -1]
     angles = numbers[:, :-1]
     if len(header) == len(_ISOTROPIC):
@@ -128,7 +128,9 @@ def _given_basis(path: Path, remarks: dict[str, str]) -> AngleBasis:
         len(edge) > 1 and edge[0] == 0 and abs(edge[-1] - 90) < 1e-9 and (np.diff(edge) > 0).all()
     )
     if not rising:
-        raise InputError(f"{path}: # edges_deg: {remarks['edges_deg']}: must rise from 0 to 90")
+        raise InputError(
+            f"{path}: # edges_deg: {remarks['edges_deg']}: expected to rise from 0 to 90"
+        )
     if len(azimuths) != len(edge) - 1 or azimuths.min() < 1:
         raise InputError(f"{path}: # azimuths: expected {len(edge) - 1} numbers from 1 up")
     if azimuths.astype(float).sum() > _MOST_BINS:
@@ -142,7 +144,7 @@ def _given_basis(path: Path, remarks: dict[str, str]) -> AngleBasis:
 def _by_bin(path, basis, isotropic, keys, angles, value) -> Matrices:
     """Return the matrices of rows that name bins by a direction in them."""
     if isotropic and (len(set(basis.azimuths.tolist())) > 1 or basis.azimuths[0] % 2):
-        raise InputError(f"{path}: # azimuths: must all be the same and even where isotropic")
+        raise InputError(f"{path}: # azimuths: expected all the same and even where isotropic")
     sine, turn = np.sin(np.radians(angles)), np.radians(angles)
     leaving = basis.bin_of(sine[:, 2] * np.cos(turn[:, 3]), sine[:, 2] * np.sin(turn[:, 3]))
     coming = basis.bin_of(sine[:, 0] * np.cos(turn[:, 1]), sine[:, 0] * np.sin(turn[:, 1]))

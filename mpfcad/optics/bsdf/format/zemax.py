@@ -187,7 +187,7 @@ def _around(path: Path, symmetry: str, azimuth: NDArray, value: NDArray) -> tupl
     """Return azimuths all around, from 0 to 2π inclusive, with their values."""
     if symmetry == "planesymmetrical":
         if abs(azimuth[0]) > 1e-9 or abs(azimuth[-1] - np.pi) > 1e-6:
-            raise InputError(f"{path}: ScatterAzimuth: PlaneSymmetrical: must go from 0 to 180")
+            raise InputError(f"{path}: ScatterAzimuth: PlaneSymmetrical: expected from 0 to 180")
         mirrored = value[:, :, -2::-1]
         return (
             np.concatenate([azimuth, 2 * np.pi - azimuth[-2::-1]]),
