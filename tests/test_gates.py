@@ -285,6 +285,8 @@ def test_gates_turned_round_and_without_a_figure():
     several = [Gate("x", 1.0, 2.0), Gate("x", 3.0, 2.0), Gate("x", np.nan, 2.0), Gate("y", 0, 1)]
     assert [g.outcome for g in worst_of_each(several)] == ["FAIL", "PASS"]
     assert np.isnan(worst_of_each(several)[0].value)
+    both_below = [Gate("x", 3.0, 5.0, at_least=True), Gate("x", 1.0, 5.0, at_least=True)]
+    assert [worst_of_each(order)[0].value for order in (both_below, both_below[::-1])] == [1.0, 1.0]
 
 
 def test_a_run_with_a_torn_mesh_ends_in_a_report_and_exit_1(plan, tmp_path, monkeypatch, capsys):

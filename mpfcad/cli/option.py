@@ -22,10 +22,12 @@ Out = Annotated[
 ]
 TraceEffort = Annotated[
     Effort | None,
-    typer.Option("--effort", help="How long to trace; default: what the job says."),
+    typer.Option("--effort", help="How long to trace [default: the job's]."),
 ]
 StandardEffort = Annotated[Effort, typer.Option("--effort", help="How long to trace.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Of the trace.")]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, metavar="N", help="Seed of the random numbers.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Junit = Annotated[
     Path | None,
@@ -43,17 +45,23 @@ Threads = Annotated[
 
 #: How the file of a measured luminance, a curve or an image, is to be read.
 PositionUnit = Annotated[
-    str | None, typer.Option("--unit", metavar="U", help="Of a curve's positions.")
+    str | None, typer.Option("--unit", metavar="U", help="Unit of a curve's positions.")
 ]
 PixelSide = Annotated[
     float | None, typer.Option("--pixel-mm", metavar="MM", help="Side of an image's pixel.")
 ]
-PerCount = Annotated[float, typer.Option("--cd-m2-per-count", metavar="L", help="Of an image.")]
-Dark = Annotated[Path | None, typer.Option("--dark", help="Image to take off.")]
-Flat = Annotated[Path | None, typer.Option("--flat", help="Image to divide by.")]
-Crop = Annotated[str | None, typer.Option("--crop", metavar="L,T,R,B", help="In pixels.")]
+PerCount = Annotated[
+    float,
+    typer.Option("--cd-m2-per-count", metavar="L", help="Luminance of one count of an image."),
+]
+Dark = Annotated[Path | None, typer.Option("--dark", help="Image to subtract: dark frame.")]
+Flat = Annotated[Path | None, typer.Option("--flat", help="Image to divide by: flat field.")]
+Crop = Annotated[
+    str | None,
+    typer.Option("--crop", metavar="L,T,R,B", help="Part of the image to use, in pixels."),
+]
 ImageRotation = Annotated[
-    float, typer.Option("--rotation-deg", help="From the image's x to across the lamps.")
+    float, typer.Option("--rotation-deg", help="Angle from the image's x to across the lamps.")
 ]
 
 

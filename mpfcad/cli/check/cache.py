@@ -25,10 +25,12 @@ def command(
             "--older-than",
             min=0,
             metavar="DAYS",
-            help="With --prune: also what was not used since.",
+            help="With --prune: also remove entries not used since.",
         ),
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="With --prune: remove all.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="With --prune: remove every entry.")
+    ] = False,
 ) -> int:
     """Show what is kept of finished work, or remove it; deleting it is always safe."""
     from mpfcad.errors import InputError

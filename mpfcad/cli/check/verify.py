@@ -21,7 +21,9 @@ def command(
     key: Annotated[
         Path | None,
         typer.Option(
-            "--key", metavar="FILE", help="Also its signature: a public key, or allowed_signers."
+            "--key",
+            metavar="FILE",
+            help="Check the signature too: a public key, or allowed_signers.",
         ),
     ] = None,
 ) -> int:

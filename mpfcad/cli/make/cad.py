@@ -11,7 +11,8 @@ def command(
     job_file: JobFile,
     out: Out = None,
     format: Annotated[
-        str, typer.Option("--format", metavar="LIST", help="Of step, stl, 3mf, ply, tif, dat.")
+        str,
+        typer.Option("--format", metavar="LIST", help="Formats: step, stl, 3mf, ply, tif, dat."),
     ] = ("step,stl"),
 ) -> int:
     """Make and check the CAD files of a job."""

@@ -17,7 +17,7 @@ def command(
     effort: TraceEffort = None,
     threads: Threads = None,
     verify: Annotated[
-        bool, typer.Option("--verify/--no-verify", help="End with mpfcad run of the job found.")
+        bool, typer.Option("--verify/--no-verify", help="Run the job that was found.")
     ] = True,
 ) -> int:
     """Find the curvature map for a backlight; write its job and verify it."""

@@ -22,37 +22,52 @@ def command(
         typer.Option(
             "--format",
             metavar="LIST",
-            help="Of oas, gds, dxf, gbr, svg, tif; default: what the job says.",
+            help="Formats: oas, gds, dxf, gbr, svg, tif [default: the job's].",
         ),
     ] = None,
     plan: Annotated[
-        bool, typer.Option("--plan", help="Only say what screen the job needs; make no file.")
+        bool, typer.Option("--plan", help="State the screen that the job needs; make no file.")
     ] = False,
     propose: Annotated[
         bool,
-        typer.Option("--propose", help="Only list screens that print the job's map, best first."),
+        typer.Option(
+            "--propose", help="List screens that print the job's map, best first; make no file."
+        ),
     ] = False,
     compare: Annotated[
         Path | None,
         typer.Option(
-            "--compare", metavar="FILE", help="Only say how a maker's file differs, by groove."
+            "--compare",
+            metavar="FILE",
+            help="Compare with a maker's file, groove by groove; make no file.",
         ),
     ] = None,
-    mesh: Annotated[str | None, typer.Option("--mesh", help="Of the screen instead.")] = None,
-    emulsion_um: Annotated[
-        float | None, typer.Option("--emulsion-um", help="Over mesh, instead.")
+    mesh: Annotated[
+        str | None, typer.Option("--mesh", help="Mesh of the screen, in place of the job's.")
     ] = None,
-    period_um: Annotated[float | None, typer.Option("--period-um", help="Instead.")] = None,
+    emulsion_um: Annotated[
+        float | None,
+        typer.Option("--emulsion-um", help="Emulsion over mesh, in place of the job's."),
+    ] = None,
+    period_um: Annotated[
+        float | None, typer.Option("--period-um", help="Period, in place of the job's.")
+    ] = None,
     solids: Annotated[
-        float | None, typer.Option("--solids", help="Fraction of the resin, instead.")
+        float | None,
+        typer.Option("--solids", help="Solids fraction of the resin, in place of the job's."),
     ] = None,
     polarity: Annotated[
-        str | None, typer.Option("--polarity", help="open or closed, instead.")
+        str | None, typer.Option("--polarity", help="open or closed, in place of the job's.")
     ] = None,
     mirror: Annotated[
-        bool | None, typer.Option("--mirror/--no-mirror", help="Instead of the job's.")
+        bool | None,
+        typer.Option(
+            "--mirror/--no-mirror", help="Seen from the film's side or not, in place of the job's."
+        ),
     ] = None,
-    revision: Annotated[str | None, typer.Option("--revision", help="Instead.")] = None,
+    revision: Annotated[
+        str | None, typer.Option("--revision", help="Revision, in place of the job's.")
+    ] = None,
     json: Json = False,
 ) -> int:
     """Make and check the mask files of a job, or make them again from an export."""

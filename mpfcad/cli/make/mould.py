@@ -12,7 +12,9 @@ def command(
     out: Out = None,
     shrinkage: Annotated[
         float,
-        typer.Option("--shrinkage", min=0, max=0.2, help="film = mould x (1 - shrinkage)."),
+        typer.Option(
+            "--shrinkage", min=0, max=0.2, help="Shrinkage: film = mould x (1 - shrinkage)."
+        ),
     ] = 0.0,
     backing_mm: Annotated[
         float, typer.Option("--backing-mm", min=0.05, max=500, help="Metal behind the valleys.")

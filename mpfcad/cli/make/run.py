@@ -18,7 +18,10 @@ def command(
     junit: Junit = None,
     confidence: Annotated[
         bool,
-        typer.Option("--confidence", help="Find how likely the verdict holds with all widths."),
+        typer.Option(
+            "--confidence",
+            help="State how likely the verdict holds, with every input's uncertainty.",
+        ),
     ] = False,
 ) -> int:
     """Make mask, CAD files, ray trace and report of a job."""

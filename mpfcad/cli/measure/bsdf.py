@@ -42,41 +42,57 @@ def command(
         ),
     ] = None,
     rays: Annotated[
-        int, typer.Option("--rays", min=100, max=100_000_000, help="Per incidence bin and side.")
+        int,
+        typer.Option("--rays", min=100, max=100_000_000, help="Rays per incidence bin and side."),
     ] = 20_000,
     seed: Seed = 1,
     reciprocal: Annotated[
-        bool, typer.Option("--reciprocal", help="Claim that a table is reciprocal: check, mend.")
+        bool,
+        typer.Option(
+            "--reciprocal", help="The table is reciprocal: check it and mend small differences."
+        ),
     ] = False,
     symmetric: Annotated[
-        bool, typer.Option("--symmetric", help="A missing side is as the other one.")
+        bool, typer.Option("--symmetric", help="Take a missing side as the other one.")
     ] = False,
     reflection: Annotated[
         str | None,
-        typer.Option("--reflection", metavar="R", help="Of a missing side: 0 … 1, or lossless."),
+        typer.Option(
+            "--reflection", metavar="R", help="Reflectance of a missing side: 0 … 1, or lossless."
+        ),
     ] = None,
     transmission: Annotated[
         float | None,
-        typer.Option("--transmission", min=0.0, max=1.0, help="Where the file holds none."),
+        typer.Option(
+            "--transmission", min=0.0, max=1.0, help="Transmittance where the file holds none."
+        ),
     ] = None,
     normalise: Annotated[
-        bool, typer.Option("--normalise", help="Accept sums up to 5 % above 1: divide by them.")
+        bool,
+        typer.Option(
+            "--normalise",
+            help="Divide rows by sums of up to 5 % above 1, instead of refusing them.",
+        ),
     ] = False,
     rotation: Annotated[
         str | None,
         typer.Option(
             "--rotation",
             metavar="WORDS",
-            help="What Zemax sample rotations mean: '+y counterclockwise', …",
+            help="Meaning of Zemax's sample rotations: '+y counterclockwise', …",
         ),
     ] = None,
     format: Annotated[
         str | None,
-        typer.Option("--format", help="Write klems, csv, zemax [default: klems for a mesh]."),
+        typer.Option(
+            "--format", help="Formats to write: klems, csv, zemax [default: klems for a mesh]."
+        ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder of what is written [default: here]."),
+        typer.Option(
+            "--out", metavar="DIR", help="Folder of the files that are written [default: here]."
+        ),
     ] = None,
     page: Annotated[bool, typer.Option("--page", help="Write a page of plots too.")] = False,
     threads: Threads = None,

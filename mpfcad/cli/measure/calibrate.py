@@ -28,55 +28,89 @@ def command(
     ] = None,
     aperture: Annotated[
         list[float] | None,
-        typer.Option("--aperture", metavar="RATIO", help="Of the coupon, once a file, in order."),
+        typer.Option(
+            "--aperture",
+            metavar="RATIO",
+            help="Aperture ratio of the coupon; once a file, in order.",
+        ),
     ] = None,
     coupons: Annotated[
         Path | None,
-        typer.Option("--coupons", metavar="LIST.csv", help="file,aperture_ratio in FILE's place."),
+        typer.Option(
+            "--coupons",
+            metavar="LIST.csv",
+            help="Table file,aperture_ratio in place of FILE and --aperture.",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE.toml", help="Write a process calibration."),
     ] = None,
-    pitch_um: Annotated[float, typer.Option("--pitch-um", min=1, help="Of the grooves.")] = 50.0,
-    depth_um: Annotated[float, typer.Option("--depth-um", min=1, help="Of the grooves.")] = 25.0,
+    pitch_um: Annotated[
+        float, typer.Option("--pitch-um", min=1, help="Pitch of the grooves.")
+    ] = 50.0,
+    depth_um: Annotated[
+        float, typer.Option("--depth-um", min=1, help="Depth of the grooves.")
+    ] = 25.0,
     unit: Annotated[
         str | None,
-        typer.Option("--unit", metavar="X[,Z]", help="um, mm, nm, A or m [default: the file's]."),
+        typer.Option(
+            "--unit",
+            metavar="X[,Z]",
+            help="Unit of the columns: um, mm, nm, A or m [default: the file's].",
+        ),
     ] = None,
     columns: Annotated[
         str | None,
-        typer.Option("--columns", metavar="X,Z", help="Columns from 1 [default: by their names]."),
+        typer.Option(
+            "--columns",
+            metavar="X,Z",
+            help="Numbers of the columns, from 1 [default: by their names].",
+        ),
     ] = None,
     tip_radius_um: Annotated[
         float | None,
-        typer.Option("--tip-radius-um", metavar="R", help="The stylus's [default: the file's]."),
+        typer.Option(
+            "--tip-radius-um", metavar="R", help="Radius of the stylus's tip [default: the file's]."
+        ),
     ] = None,
     tip_angle_deg: Annotated[
         float | None,
-        typer.Option("--tip-angle-deg", metavar="A", help="Its cone's full angle [default: 60]."),
+        typer.Option(
+            "--tip-angle-deg", metavar="A", help="Full angle of the tip's cone [default: 60]."
+        ),
     ] = None,
     correct: Annotated[
         bool,
-        typer.Option("--correct", help="Set sign and scale right by pitch and depth."),
+        typer.Option("--correct", help="Correct sign and scale of the heights by pitch and depth."),
     ] = False,
     model: Annotated[
         str,
-        typer.Option("--model", help="Of the calibration: tone (curve with intervals) or table."),
+        typer.Option("--model", help="Kind of calibration: tone (curve with intervals) or table."),
     ] = "tone",
     mesh: Annotated[
         str | None,
-        typer.Option("--mesh", metavar="NAME", help="The coupons were printed through: 180-27."),
+        typer.Option(
+            "--mesh",
+            metavar="NAME",
+            help="Mesh that the coupons were printed through, such as 180-27.",
+        ),
     ] = None,
     emulsion_um: Annotated[
-        float, typer.Option("--emulsion-um", min=0, help="Below that mesh.")
+        float, typer.Option("--emulsion-um", min=0, help="Emulsion below that mesh.")
     ] = 0.0,
     solids: Annotated[
-        float, typer.Option("--solids", help="Of the resin that was printed: 0 … 1.")
+        float,
+        typer.Option("--solids", help="Solids fraction of the resin that was printed: 0 … 1."),
     ] = 1.0,
     widths: Annotated[
         int | None,
-        typer.Option("--widths", min=2, metavar="N", help="Prism widths [default: all, up to 40]."),
+        typer.Option(
+            "--widths",
+            min=2,
+            metavar="N",
+            help="Number of prism widths to fit [default: all, up to 40].",
+        ),
     ] = None,
     json: Json = False,
 ) -> int:

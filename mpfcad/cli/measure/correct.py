@@ -20,20 +20,26 @@ from mpfcad.cli.option import (
 
 
 def command(
-    export: Annotated[Path, typer.Argument(metavar="EXPORT", help="What was printed.")],
+    export: Annotated[
+        Path, typer.Argument(metavar="EXPORT", help="Export of the film that was printed.")
+    ],
     measured: Annotated[
-        Path, typer.Option("--measured", metavar="FILE", help="Its luminance, curve or image.")
+        Path, typer.Option("--measured", metavar="FILE", help="Measured luminance: curve or image.")
     ],
     lamp_at_mm: Annotated[
-        float, typer.Option("--lamp-at-mm", metavar="MM", help="A lamp's place in that file.")
+        float, typer.Option("--lamp-at-mm", metavar="MM", help="Place of a lamp in that file.")
     ],
     process: Annotated[
         Path | None,
-        typer.Option("--process", metavar="FILE.toml", help="Of coupons of this print."),
+        typer.Option(
+            "--process", metavar="FILE.toml", help="Process calibration from coupons of this print."
+        ),
     ] = None,
     pitch_mm: Annotated[
         float | None,
-        typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch there [default: the stack's]."),
+        typer.Option(
+            "--pitch-mm", metavar="MM", help="Lamp pitch in that file [default: the stack's]."
+        ),
     ] = None,
     unit: PositionUnit = None,
     pixel_mm: PixelSide = None,

@@ -26,17 +26,27 @@ def command(
         Path, typer.Argument(metavar="FILE", help="Curve (CSV) or image (TIFF, FITS, EXR, CSV).")
     ],
     against: Annotated[
-        Path | None, typer.Option("--against", metavar="EXPORT", help="A predicted luminance.")
+        Path | None,
+        typer.Option(
+            "--against",
+            metavar="EXPORT",
+            help="Export to compare with: its luminance and its limits.",
+        ),
     ] = None,
     pitch_mm: Annotated[
-        float | None, typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch [default: found].")
+        float | None,
+        typer.Option("--pitch-mm", metavar="MM", help="Lamp pitch [default: found in the file]."),
     ] = None,
     lamp_at_mm: Annotated[
-        float | None, typer.Option("--lamp-at-mm", metavar="MM", help="A lamp's place in the file.")
+        float | None,
+        typer.Option("--lamp-at-mm", metavar="MM", help="Place of a lamp in the file."),
     ] = None,
-    spots: Annotated[bool, typer.Option("--spots", help="LEDs: contrast over a cell.")] = False,
+    spots: Annotated[
+        bool, typer.Option("--spots", help="LEDs: judge the contrast over a cell.")
+    ] = False,
     cell_mm: Annotated[
-        str | None, typer.Option("--cell-mm", metavar="X,Y", help="Its size [default: found].")
+        str | None,
+        typer.Option("--cell-mm", metavar="X,Y", help="Size of the cell [default: found]."),
     ] = None,
     unit: PositionUnit = None,
     pixel_mm: PixelSide = None,
@@ -46,16 +56,21 @@ def command(
     crop: Crop = None,
     rotation_deg: ImageRotation = 0.0,
     limit: Annotated[
-        float | None, typer.Option("--limit", help="Of the contrast [default: export's, or 0.012].")
+        float | None,
+        typer.Option("--limit", help="PASS up to this contrast [default: export's, or 0.012]."),
     ] = None,
     marginal: Annotated[
-        float | None, typer.Option("--marginal", help="[default: export's, or 0.018].")
+        float | None,
+        typer.Option(
+            "--marginal", help="MARGINAL up to this contrast [default: export's, or 0.018]."
+        ),
     ] = None,
     page: Annotated[
-        Path | None, typer.Option("--page", metavar="FILE.html", help="Write a page.")
+        Path | None,
+        typer.Option("--page", metavar="FILE.html", help="Write a page of plots and figures."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.json", help="Write the record.")
+        Path | None, typer.Option("--out", metavar="FILE.json", help="Write the figures as JSON.")
     ] = None,
     seed: Seed = 1,
     json: Json = False,

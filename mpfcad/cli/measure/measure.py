@@ -14,22 +14,26 @@ def command(
     ],
     stack: Annotated[
         str | None,
-        typer.Option("--stack", metavar="NAME|FILE.toml", help="In place of the film's own."),
+        typer.Option(
+            "--stack",
+            metavar="NAME|FILE.toml",
+            help="Stack to measure in [default: the film's own].",
+        ),
     ] = None,
     thickness_mm: Annotated[
         float | None,
         typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: stack's]."),
     ] = None,
     offset_mm: Annotated[
-        float, typer.Option("--offset-mm", metavar="MM", help="FILE.stl's left edge from a lamp.")
+        float, typer.Option("--offset-mm", metavar="MM", help="Left edge of FILE.stl from a lamp.")
     ] = 0.0,
     what: Annotated[
         str | None,
         typer.Option(
             "--what",
             metavar="A,B,…",
-            help="Of contrast, angular, conoscope, flux, uniformity, camera, panel [default: all "
-            "that the stack has].",
+            help="What to measure: contrast, angular, conoscope, flux, uniformity, camera, panel "
+            "[default: all that the stack has].",
         ),
     ] = None,
     seed: Seed = 1,
