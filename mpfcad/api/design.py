@@ -1,7 +1,6 @@
 """A design as an object: the curvature map for a backlight, found and verified."""
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +9,10 @@ from mpfcad.api.figure import html_table
 from mpfcad.api.job import Job
 from mpfcad.api.progress import watched
 from mpfcad.api.result import Export
-from mpfcad.api.source import read_source
+from mpfcad.api.source import Sourced
 
 if TYPE_CHECKING:
+    from mpfcad.job.design import Design as Model
     from mpfcad.pipeline import Progress
 
 
@@ -43,7 +43,7 @@ class DesignResult(Export):
         return html_table(f"design {self.job_file.stem}", ("file", "bytes"), rows)
 
 
-class Design:
+class Design(Sourced["Model"]):
     """A backlight for which the curvature map is wanted.
 
     Parameters
@@ -65,17 +65,11 @@ class Design:
     'slim'
     """
 
-    def __init__(
-        self, source: str | Path | Mapping[str, Any], *, folder: str | Path | None = None
-    ) -> None:
+    @staticmethod
+    def _model_class() -> "type[Model]":
         from mpfcad.job.design import Design as Model
 
-        self.model, self.file = read_source(Model, source, folder)
-
-    @property
-    def name(self) -> str:
-        """The design's name."""
-        return self.model.name
+        return Model
 
     def search(
         self,

@@ -9,13 +9,14 @@ from numpy.typing import ArrayLike
 
 from mpfcad.api.progress import watched
 from mpfcad.api.result import Export, Measurement, Run
-from mpfcad.api.source import read_source
+from mpfcad.api.source import Sourced
 
 if TYPE_CHECKING:
+    from mpfcad.job import Job as Model
     from mpfcad.pipeline import Progress
 
 
-class Job:
+class Job(Sourced["Model"]):
     """A film to make and to verify.
 
     Parameters
@@ -37,12 +38,11 @@ class Job:
     'c60'
     """
 
-    def __init__(
-        self, source: str | Path | Mapping[str, Any], *, folder: str | Path | None = None
-    ) -> None:
+    @staticmethod
+    def _model_class() -> "type[Model]":
         from mpfcad.job import Job as Model
 
-        self.model, self.file = read_source(Model, source, folder)
+        return Model
 
     @classmethod
     def of_curvature(
@@ -100,11 +100,6 @@ class Job:
             rows = np.stack([position, curvature], axis=1).tolist()
             mapped = {"rows": rows, "extent": extent, "repeat": repeat}
         return cls({**(tables or {}), "name": name, "map": mapped}, folder=folder)
-
-    @property
-    def name(self) -> str:
-        """The job's name; its exports go to exports/NAME unless told otherwise."""
-        return self.model.name
 
     def run(
         self,

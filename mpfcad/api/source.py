@@ -1,12 +1,35 @@
-"""Where a job, design or sweep comes from: a TOML file, or a dict with a folder for its files."""
+"""What a job, a design and a sweep have in common: where they come from, and their name."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from pydantic import BaseModel
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
-Model = TypeVar("Model", bound=BaseModel)
+
+Model = TypeVar("Model", bound="BaseModel")
+
+
+class Sourced(ABC, Generic[Model]):
+    """What is made from a TOML file, or from a dict with a folder for its files."""
+
+    def __init__(
+        self, source: str | Path | Mapping[str, Any], *, folder: str | Path | None = None
+    ) -> None:
+        self.model, self.file = read_source(self._model_class(), source, folder)
+
+    @staticmethod
+    @abstractmethod
+    def _model_class() -> type[Model]:
+        """Return the model, imported when it is needed."""
+
+    @property
+    def name(self) -> str:
+        """Its name; exports go to a folder of that name unless told otherwise."""
+        model: Any = self.model  # each of the three has one
+        return str(model.name)
 
 
 def read_source(

@@ -1,6 +1,5 @@
 """A sweep as an object: films over any values of a job."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -8,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from mpfcad.api.progress import watched
 from mpfcad.api.result import Export
-from mpfcad.api.source import read_source
+from mpfcad.api.source import Sourced
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from mpfcad.job.sweep import Sweep as Model
     from mpfcad.pipeline import Progress
 
 
@@ -42,7 +42,7 @@ class SweepResult(Export):
         return str(self.dataset._repr_html_())
 
 
-class Sweep:
+class Sweep(Sourced["Model"]):
     """Films over any values of a job.
 
     Parameters
@@ -63,17 +63,11 @@ class Sweep:
     'c'
     """
 
-    def __init__(
-        self, source: str | Path | Mapping[str, Any], *, folder: str | Path | None = None
-    ) -> None:
+    @staticmethod
+    def _model_class() -> "type[Model]":
         from mpfcad.job.sweep import Sweep as Model
 
-        self.model, self.file = read_source(Model, source, folder)
-
-    @property
-    def name(self) -> str:
-        """The sweep's name."""
-        return self.model.name
+        return Model
 
     def run(
         self,

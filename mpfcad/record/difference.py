@@ -16,6 +16,8 @@ limit of a gate.
 from dataclasses import dataclass, field
 from typing import Any
 
+from mpfcad.record.traced import PLACES
+
 #: Largest relative and absolute difference that rounding explains.
 RELATIVE, ABSOLUTE = 1.1e-11, 1e-12
 #: What is never rounded otherwise: given, counted, or summed in a fixed order.
@@ -78,4 +80,4 @@ def _differ(stored: Any, found: Any, where: str, exact: bool, rounded: list[Roun
 
 def _is_table(where: str) -> bool:
     """Return whether the exact names count below a place: at the top, and in another stack's."""
-    return where in ("", "plain", "baseline")
+    return where in PLACES

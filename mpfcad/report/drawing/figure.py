@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mpfcad.measure import reach
+from mpfcad.record.traced import BASELINE, PLAIN, THIS, traced_films
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -13,6 +14,12 @@ if TYPE_CHECKING:
 FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
 FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
 THIRD_BAND = "rgba(63,127,79,0.14)"
+#: Colours of each traced film: its line and its 95 % band.
+_DRESS = {
+    THIS: (FILM_COLOUR, FILM_BAND),
+    PLAIN: (THIRD_COLOUR, THIRD_BAND),
+    BASELINE: (BASE_COLOUR, BASE_BAND),
+}
 #: Positions [pitch] at which the fitted curves are drawn.
 FINE = np.linspace(0, 1, 129)
 
@@ -27,22 +34,14 @@ def luminance_figure(record: dict[str, Any]) -> "go.Figure":
         horizontal_spacing=0.1,
         subplot_titles=("normal luminance [cd/m²]", "over its own mean [%]"),
     )
-    curves = [("this film", record, FILM_COLOUR, FILM_BAND)]
-    if record.get("plain"):
-        curves.append(("plain BEF, this backlight", record["plain"], THIRD_COLOUR, THIRD_BAND))
-    if not record["baseline"].get("is_own"):
-        name = str(record["baseline"].get("stack", "conventional"))
-        curves.append((name, record["baseline"], BASE_COLOUR, BASE_BAND))
-    for name, found, colour, band in curves:
+    for place, name, _, found in traced_films(record):
         curve = found["luminance"]
-        if curve is None:
-            continue
         x = np.array(curve["position_pitch"])
         value = np.array(curve["luminance_cd_m2"])
         error = reach(found["degrees_of_freedom"]) * np.array(curve["standard_error_cd_m2"])
         fit = fitted_curve(found, FINE)
         mean = found["mean_luminance_cd_m2"]["value"]
-        dress = (name, colour, band)
+        dress = (name, *_DRESS[place])
         _add_band(figure, x, value, error, fit, dress, column=1)
         _add_band(
             figure,

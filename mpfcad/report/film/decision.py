@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from mpfcad.record.traced import baseline_words, traced_films
 from mpfcad.report.drawing.figure import fitted_curve, luminance_figure
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.strip import (
@@ -26,7 +27,7 @@ _NAMED = 6
 
 def decision_values(record: Record) -> Record:
     """Return what the first page shows."""
-    films = _films(record)
+    films = [(film.words, film.found) for film in traced_films(record)]
     return {
         "sentence": verdict_sentence(record),
         "others": _other_gates(record),
@@ -38,21 +39,6 @@ def decision_values(record: Record) -> Record:
         "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
         "assumed": _assumed(record),
     }
-
-
-def baseline_words(record: Record) -> str:
-    """Return what the film's light is compared with; of an older export the conventional stack."""
-    return str(record["baseline"].get("words", "the conventional stack"))
-
-
-def _films(record: Record) -> list[tuple[str, Record]]:
-    """Return (name, its trace) of this film and of those that it is compared with."""
-    films = [(f"this film: {record['name']}", record)] if record["luminance"] else []
-    if record.get("plain"):
-        films.append(("plain BEF in this backlight", record["plain"]))
-    if record["baseline"].get("is_own"):
-        return films
-    return [*films, (baseline_words(record), record["baseline"])]
 
 
 def _with_widths(record: Record, films: list[tuple[str, Record]]) -> list[tuple[str, Record]]:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from mpfcad.record.traced import traced_films
 from mpfcad.report.drawing.energy_figure import energy_figure
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
@@ -36,13 +37,7 @@ def chain_values(record: Record) -> list[tuple[str, list[tuple[str, str]]]]:
 
 def luminance_values(record: Record) -> dict[str, Any]:
     """Return the figures of every trace, and their energy balances beside each other."""
-    names = {
-        "this film": record,
-        "plain BEF": record.get("plain"),
-    }
-    if not record["baseline"].get("is_own"):
-        names[record["baseline"].get("stack", "conventional")] = record["baseline"]
-    traces = {name: found for name, found in names.items() if found and found["luminance"]}
+    traces = {film.name: film.found for film in traced_films(record)}
     return {
         "traces": list(traces.items()),
         "flow": plot(energy_figure(record["energy"]), "energy") if record["energy"] else None,
