@@ -11,7 +11,7 @@ from mpfcad.cad.check.mesh_check import (
     facet_area,
     narrowest_side,
 )
-from mpfcad.cad.check.surface import Corner, FacetError, check_mesh, recover_curvature
+from mpfcad.cad.check.surface import FacetError, FilmSurface, check_mesh, recover_curvature
 from mpfcad.film import CellFilm
 
 #: Largest relative error of the volume of a mesh (dishes at 5°: 6e-4 by their chords).
@@ -31,17 +31,10 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
     return check_mesh(path, CellSurface(film), angle_tolerance)
 
 
-class CellSurface:
+class CellSurface(FilmSurface[CellFilm]):
     """Equal cells in both directions."""
 
     volume_limit = VOLUME_LIMIT
-
-    def __init__(self, film: CellFilm) -> None:
-        self.film, self.volume = film, film.volume
-
-    def extent(self, top: float) -> tuple[Corner, Corner]:
-        """Return the corners of the bounding box [mm]."""
-        return (0.0, 0.0, 0.0), (*self.film.size, self.film.thickness)
 
     def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
         """Return how far the facets of the top are off."""

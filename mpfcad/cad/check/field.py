@@ -12,7 +12,7 @@ from mpfcad.cad.check.mesh_check import (
     facet_area,
     narrowest_side,
 )
-from mpfcad.cad.check.surface import Corner, FacetError, check_mesh, recover_curvature
+from mpfcad.cad.check.surface import FacetError, FilmSurface, check_mesh, recover_curvature
 from mpfcad.cad.shape.field_mesh import mesh_contact, mesh_sliver
 from mpfcad.film import FieldPiece
 
@@ -36,17 +36,10 @@ def check_field_stl(path: Path, film: FieldPiece, angle_tolerance: float) -> Mes
     return check_mesh(path, FieldSurface(film), angle_tolerance)
 
 
-class FieldSurface:
+class FieldSurface(FilmSurface[FieldPiece]):
     """Grooves whose curvature varies along them."""
 
     volume_limit = VOLUME_LIMIT
-
-    def __init__(self, film: FieldPiece) -> None:
-        self.film, self.volume = film, film.volume
-
-    def extent(self, top: float) -> tuple[Corner, Corner]:
-        """Return the corners of the bounding box [mm]."""
-        return (0.0, 0.0, 0.0), (*self.film.size, self.film.thickness)
 
     def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
         """Return how far the facets of the top are off."""

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import MeshCheck
 from mpfcad.cad.check.surface import (
-    Corner,
     FacetError,
+    FilmSurface,
     Secant,
     check_mesh,
     recover_curvature,
@@ -42,17 +42,10 @@ def check_stl(path: Path, film: PrismFilm, angle_tolerance: float) -> MeshCheck:
     return check_mesh(path, GrooveSurface(film), angle_tolerance)
 
 
-class GrooveSurface:
+class GrooveSurface(FilmSurface[PrismFilm]):
     """Grooves as designed, one curvature each."""
 
     volume_limit = VOLUME_LIMIT
-
-    def __init__(self, film: PrismFilm) -> None:
-        self.film, self.volume = film, film.volume
-
-    def extent(self, top: float) -> tuple[Corner, Corner]:
-        """Return the corners of the bounding box [mm]."""
-        return (0.0, 0.0, 0.0), (self.film.width, self.film.length, self.film.thickness)
 
     def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
         """Return how far the facets of the top are off."""

@@ -6,7 +6,7 @@ the same for all: one closed body, its extent, heights, normals, and C recovered
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,36 @@ class Surface(Protocol):
 
     def compare(self, top: NDArray[np.float64], angle_tolerance: float) -> FacetError:
         """Return how far the facets of the top, (t, 3, 3) float64 [mm], are off."""
+
+
+class FilmBody(Protocol):
+    """A film with one corner at the origin; lengths in mm."""
+
+    @property
+    def volume(self) -> float:
+        """Volume [mm³]."""
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y."""
+
+    @property
+    def thickness(self) -> float:
+        """Extent from the underside to the tips."""
+
+
+Film = TypeVar("Film", bound=FilmBody)
+
+
+class FilmSurface(Generic[Film]):
+    """What the surfaces of films share: how a film is held, its volume and its extent."""
+
+    def __init__(self, film: Film) -> None:
+        self.film, self.volume = film, film.volume
+
+    def extent(self, top: float) -> tuple[Corner, Corner]:
+        """Return the corners of the bounding box [mm]; tips are sharp, so `top` says nothing."""
+        return (0.0, 0.0, 0.0), (*self.film.size, self.film.thickness)
 
 
 #: Largest error [1/mm] of a curvature recovered from the facets.

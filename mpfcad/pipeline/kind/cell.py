@@ -51,8 +51,9 @@ class Cells(Kind):
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
         from mpfcad.cad import check_agreement
+        from mpfcad.cad.check.cell import VOLUME_LIMIT
 
-        return check_agreement(step, stl, volume, 1e-3)
+        return check_agreement(step, stl, volume, VOLUME_LIMIT)
 
     def distance_along(self, across: float) -> float:
         return across

@@ -58,7 +58,7 @@ class Grooves(Kind):
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
         from mpfcad.cad import check_agreement
 
-        return check_agreement(step, stl, volume, 1e-4)
+        return check_agreement(step, stl, volume)
 
     def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.film.height(x) + 0 * y
