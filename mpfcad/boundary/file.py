@@ -48,13 +48,13 @@ def check_file(path: Path, limit: int = FILE_LIMIT, expected: str = "a file") ->
 
 
 @contextmanager
-def guarded(where: object, expected: str) -> Iterator[None]:
-    """Have everything that goes wrong in a block be an `InputError` that begins with `where`.
+def guarded(where: object, expected: str, kind: type[MpfcadError] = InputError) -> Iterator[None]:
+    """Have everything that goes wrong in a block be an error of a kind that begins with `where`.
 
     Raises
     ------
     InputError
-        for any error but those of mpfcad's own, naming `where` and what was expected there.
+        or `kind`, for any error but those of mpfcad's own, naming `where` and what was expected.
     """
     try:
         yield
@@ -62,14 +62,14 @@ def guarded(where: object, expected: str) -> Iterator[None]:
         raise
     except OSError as error:
         reason = error.strerror or error
-        raise InputError(f"{where}: cannot be read: {reason}: expected {expected}") from error
+        raise kind(f"{where}: cannot be read: {reason}: expected {expected}") from error
     except MemoryError as error:
-        raise InputError(f"{where}: does not fit the memory: expected {expected}") from error
+        raise kind(f"{where}: does not fit the memory: expected {expected}") from error
     except RecursionError as error:
-        raise InputError(f"{where}: nested too deep: expected {expected}") from error
+        raise kind(f"{where}: nested too deep: expected {expected}") from error
     except Exception as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
-        raise InputError(f"{where}: not readable ({reason}): expected {expected}") from error
+        raise kind(f"{where}: not readable ({reason}): expected {expected}") from error
 
 
 def named_file(where: str, folder: Path, name: str, expected: str) -> Path:

@@ -22,11 +22,22 @@ def main() -> None:
     signal.signal(signal.SIGTERM, _stop)
     signal.signal(signal.SIGINT, _stop)
     output = prepare_streams()
+    _silence_libraries()
     code = run_app(sys.argv[1:])
     failed = end_streams(output)
     if failed is not None:
         code = _fail(f"standard output: {failed.strerror}: what was to be printed is lost", 3)
     sys.exit(code)
+
+
+def _silence_libraries() -> None:
+    """Keep what libraries say of a damaged file off standard error: there is one line about it."""
+    import logging
+    import warnings
+
+    logging.lastResort = logging.NullHandler()
+    if not sys.warnoptions and not debug_wanted():
+        warnings.simplefilter("ignore")
 
 
 def run_app(arguments: list[str]) -> int:

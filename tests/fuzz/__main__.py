@@ -26,11 +26,12 @@ def main() -> int:
             if given.only and reader.name not in given.only.split(","):
                 continue
             tally = fuzz(reader, given.count, given.seed, Path(folder), given.seconds)
-            total += tally.read + tally.refused + len(tally.faults)
+            total += tally.read + tally.refused + tally.crashed + len(tally.faults)
             failed += len(tally.faults)
             print(
                 f"{reader.name:<15}{tally.read:>8} read {tally.refused:>8} refused "
-                f"{tally.outcomes:>5} outcomes {len(tally.faults):>5} faults, "
+                f"{tally.crashed:>4} crashed {tally.outcomes:>5} outcomes "
+                f"{len(tally.faults):>5} faults, "
                 f"slowest {tally.slowest:.2f} s",
                 flush=True,
             )

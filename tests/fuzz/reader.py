@@ -1,25 +1,17 @@
 """Every reader of the user's files, with files it reads to begin from."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from . import instrument, written
+from .kind import Reader
+
 ROOT = Path(__file__).parents[2]
 MASKS, TESTS = ROOT / "masks", ROOT / "tests"
-
-
-@dataclass(frozen=True)
-class Reader:
-    """A reader: the suffix of its files, what it does with one, and files to begin from."""
-
-    name: str
-    suffix: str
-    read: Callable[[Path], object]
-    seeds: tuple[bytes, ...]
 
 
 def _files(*patterns: str) -> tuple[bytes, ...]:
@@ -221,7 +213,9 @@ def readers() -> list[Reader]:
                                                     "tests/cli/corpus/*.bsdf")),
         Reader("bsdf-csv", ".csv", _bsdf, tuple(
             data.replace(b"1000000000", b"4") for data in _files("tests/cli/corpus/*.csv"))),
-        Reader("mesh", ".stl", _mesh, (*_meshes(), *_files("tests/cli/corpus/*.stl"))),
+        Reader("mesh", ".stl", _mesh, (*_meshes(), *_files("tests/cli/corpus/*.stl")), native=True),
         Reader("mesh-catalogue", ".csv", _catalogue, _files("mpfcad/mask/fabric/*.csv")),
-        Reader("manifest", ".json", _manifest, (_MANIFEST,)),
+        Reader("manifest", ".json", _manifest, (_MANIFEST,), named="manifest.json"),
+        *written.readers(),
+        *instrument.readers(),
     ]  # fmt: skip

@@ -4,6 +4,7 @@ Guided by what comes of a file: one with a new outcome (a place in the code that
 message) joins the files that are mutated further.
 """
 
+import multiprocessing
 import random
 import re
 import resource
@@ -17,12 +18,14 @@ from pathlib import Path
 from mpfcad.cli.stream import one_line
 from mpfcad.errors import ExportError, InputError
 
+from .kind import Reader
 from .mutate import mutate
-from .reader import Reader
 
 #: Longest time of one file [s], and memory of the process [bytes].
 TIME_LIMIT, MEMORY_LIMIT = 10.0, 6_000_000_000
 _POOL = 400
+#: Files that one process reads with a library in C++, and how long it may be silent [s].
+_CHUNK, _SILENT = 5000, 60.0
 
 
 class TooSlowError(BaseException):
@@ -35,6 +38,7 @@ class Tally:
 
     read: int = 0
     refused: int = 0
+    crashed: int = 0
     outcomes: int = 0
     slowest: float = 0.0
     faults: list[tuple[str, bytes]] = field(default_factory=list)
@@ -48,26 +52,107 @@ def limit_memory() -> None:
 
 def fuzz(reader: Reader, count: int, seed: int, folder: Path, seconds: float) -> Tally:
     """Return what came of up to `count` mutated files within `seconds`."""
-    rng, tally = random.Random(f"{seed} {reader.name}"), Tally()
-    pool, known = list(reader.seeds), set()
-    path = folder / f"in{reader.suffix}"
+    work = Work(reader, random.Random(f"{seed} {reader.name}"), folder / f"in{reader.suffix}")
     end = time.monotonic() + seconds
-    before = signal.signal(signal.SIGVTALRM, _too_slow)
-    try:
-        for _ in range(count):
-            if time.monotonic() > end:
-                break
-            data = mutate(rng, rng.choice(pool), rng.choice(pool))
-            outcome = _one(reader, path, data, tally)
-            if outcome not in known:
-                known.add(outcome)
-                if len(pool) < _POOL and len(data) < 40_000:
-                    pool.append(data)
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-        signal.signal(signal.SIGVTALRM, before)
-    tally.outcomes = len(known)
-    return tally
+    while work.done < count and time.monotonic() < end:
+        chunk = min(_CHUNK, count - work.done)
+        work = _apart(work, chunk, end) if reader.native else work.go(chunk, end)
+    work.tally.outcomes = len(work.known)
+    return work.tally
+
+
+def _apart(work: "Work", count: int, end: float) -> "Work":
+    """Go on in a process of its own, so that a crash or an endless call is a fault of its file."""
+    context = multiprocessing.get_context("fork")
+    here, there = context.Pipe(duplex=False)
+    alive = context.Value("q", 0)
+
+    def run() -> None:
+        there.send(work.go(count, end, alive))
+
+    child = context.Process(target=run, daemon=True)
+    before = work.done
+    child.start()
+    there.close()
+    seen, since = -1, time.monotonic()
+    trouble = ""
+    while not here.poll(0.5):
+        if alive.value != seen:
+            seen, since = alive.value, time.monotonic()
+        if not child.is_alive() and not here.poll(0.1):
+            trouble = f"crash: exit code {child.exitcode}"
+            break
+        if time.monotonic() - since > _SILENT:
+            trouble = f"no end within {_SILENT:g} s"
+            child.kill()
+            break
+    if not trouble:
+        try:
+            found = here.recv()
+            child.join()
+            return found
+        except EOFError:
+            child.join()
+            trouble = f"crash: exit code {child.exitcode}"
+    child.join()
+    data = work.path.read_bytes() if work.path.exists() else b""
+    if work.reader.apart and trouble.startswith("crash"):
+        work.tally.crashed += 1
+    else:
+        work.tally.faults.append((trouble, data))
+    work.tally.refused += max(alive.value - before - 1, 0)
+    work.done = max(alive.value, before + 1)
+    work.rng.seed(f"{work.done} {work.reader.name}")
+    return work
+
+
+@dataclass
+class Work:
+    """A reader's files so far: what is mutated further, what came of them."""
+
+    reader: Reader
+    rng: random.Random
+    path: Path
+    pool: list[bytes] = field(default_factory=list)
+    known: set[str] = field(default_factory=set)
+    tally: Tally = field(default_factory=Tally)
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        self.pool = list(self.reader.seeds)
+
+    def __getstate__(self) -> dict:
+        return {**self.__dict__, "reader": self.reader.name}
+
+    def __setstate__(self, state: dict) -> None:
+        from .reader import readers
+
+        self.__dict__ = state
+        (self.reader,) = (reader for reader in readers() if reader.name == state["reader"])
+
+    def go(self, count: int, end: float, alive: object = None) -> "Work":
+        """Read so many more files, until a moment; `alive` is told the number of each."""
+        before = signal.signal(signal.SIGVTALRM, _too_slow)
+        try:
+            for _ in range(count):
+                if time.monotonic() > end:
+                    break
+                self.done += 1
+                if alive is not None:
+                    alive.value = self.done
+                self._next()
+        finally:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+            signal.signal(signal.SIGVTALRM, before)
+        return self
+
+    def _next(self) -> None:
+        data = mutate(self.rng, self.rng.choice(self.pool), self.rng.choice(self.pool))
+        outcome = _one(self.reader, self.path, data, self.tally)
+        if outcome not in self.known:
+            self.known.add(outcome)
+            if len(self.pool) < _POOL and len(data) < 80_000:
+                self.pool.append(data)
 
 
 def _too_slow(number: int, frame: object) -> None:
@@ -83,15 +168,12 @@ def _one(reader: Reader, path: Path, data: bytes, tally: Tally) -> str:
         reader.read(path)
         tally.read += 1
         outcome = "read"
-    except InputError as error:
+    except (InputError, ExportError) as error:
         tally.refused += 1
         outcome = _kind(error)
-        fault = _fault(path, str(error))
+        fault = _fault(reader.named or path.name, str(error))
         if fault:
             tally.faults.append((f"{fault}: {error}"[:500], data))
-    except ExportError as error:
-        tally.refused += 1
-        outcome = _kind(error)
     except (TooSlowError, Exception) as error:
         outcome = _kind(error)
         text = "".join(traceback.format_exception(error)[-2:])
@@ -103,10 +185,10 @@ def _one(reader: Reader, path: Path, data: bytes, tally: Tally) -> str:
     return outcome
 
 
-def _fault(path: Path, text: str) -> str | None:
+def _fault(name: str, text: str) -> str | None:
     """Return what is wrong with a refusal."""
     line = one_line(text)
-    if path.name not in line:
+    if name not in line:
         return "does not name the file"
     if not line.isprintable() or len(line) > 292:
         return "no short line"

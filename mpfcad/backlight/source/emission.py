@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight.source.lattice import folder_text
 from mpfcad.backlight.source.ray_file import SUFFIXES, read_ray_file
+from mpfcad.boundary import guarded
 from mpfcad.errors import InputError
 
 #: A lens that throws light aside: polar angle [deg], intensity over the peak at 65°.
@@ -75,7 +76,8 @@ def read_emission(where: str, folder: Path, name: str) -> NDArray[np.float64]:
 
 def _read_csv(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     """Return (polar, azimuth [deg], (azimuth, polar) intensity) of `angle_deg,intensity`."""
-    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+    with guarded(where, "angle_deg,intensity and rows of numbers"):
+        rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
     head = [cell.strip() for cell in rows[0]] if rows else []
     if head != ["angle_deg", "intensity"]:
         raise InputError(f"{where}: row 1: {','.join(head)}: expected angle_deg,intensity")

@@ -34,7 +34,7 @@ from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
-from mpfcad.pipeline.run.file_check import examine_files
+from mpfcad.pipeline.run.file_check import examine_files, examine_foreign
 from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
 
@@ -105,9 +105,14 @@ def examine(
     threads: int | None,
     checkpoints: Checkpoints,
     progress: Progress,
+    *,
+    foreign: bool = False,
 ) -> Findings:
-    """Check and trace the files in `folder`; what a file misses is in its gates."""
-    found = examine_files(folder, plan, mask, progress)
+    """Check and trace the files in `folder`; what a file misses is in its gates.
+
+    `foreign` files, not written by this very run, are read in a process that may crash.
+    """
+    found = (examine_foreign if foreign else examine_files)(folder, plan, mask, progress)
     before = sha256(folder / "film.stl")
     run = TraceRun(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,

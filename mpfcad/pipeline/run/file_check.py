@@ -5,13 +5,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from mpfcad.boundary import guarded
+from mpfcad.boundary.apart import apart, tell_stage
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import ExportError
 from mpfcad.gate import Gate, yes_no
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.plan import Plan
-from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.progress import Progress, Silent
 from mpfcad.pipeline.run.make import check_masks
 from mpfcad.pipeline.run.mask_order import phototool
 
@@ -44,11 +46,11 @@ def examine_files(folder: Path, plan: Plan, mask: Mask | None, progress: Progres
         _examine_masks(found, folder, plan, mask, progress)
     drawing = kind_of(plan.drawn, plan.job.cad)
     step, stl = folder / "film.step", folder / "film.stl"
-    with _judged(found, "step_valid"):
+    with judged(found, "step_valid", step):
         progress.stage("checking film.step")
         found.step = drawing.check_step(step)
         found.gates += found.step.gates
-    with _judged(found, "mesh_watertight"):
+    with judged(found, "mesh_watertight", stl):
         progress.stage("checking film.stl")
         found.mesh = drawing.check_mesh(stl)
         found.gates += found.mesh.gates
@@ -63,6 +65,33 @@ def examine_files(folder: Path, plan: Plan, mask: Mask | None, progress: Progres
     return found
 
 
+def examine_foreign(
+    folder: Path, plan: Plan, mask: Mask | None, progress: Progress
+) -> FileFindings:
+    """Return the same of a folder that was handed on, read in a process of its own.
+
+    Raises
+    ------
+    ExportError
+        naming what was read when a file made its reader crash.
+    """
+    return apart(
+        folder, "an export as it was written", _examine, folder, plan, mask,
+        kind=ExportError, stage=progress.stage,
+    )  # fmt: skip
+
+
+class _Told(Silent):
+    """Progress that the process that asked is told."""
+
+    def stage(self, text: str) -> None:
+        tell_stage(text)
+
+
+def _examine(folder: Path, plan: Plan, mask: Mask | None) -> FileFindings:
+    return examine_files(folder, plan, mask, _Told())
+
+
 def _examine_masks(
     found: FileFindings, folder: Path, plan: Plan, mask: Mask, progress: Progress
 ) -> None:
@@ -70,16 +99,20 @@ def _examine_masks(
         return
     tool = phototool(plan.job, mask, plan.process)
     for suffix in plan.job.mask.formats:
-        with _judged(found, "mask_file_as_written"):
+        with judged(found, "mask_file_as_written", folder / f"mask.{suffix}"):
             checks = check_masks(mask, tool, folder, [suffix], progress)
             found.mask.update(checks)
             found.gates.append(yes_no("mask_file_as_written", True))
 
 
 @contextmanager
-def _judged(found: FileFindings, gate: str) -> Iterator[None]:
-    """Take a file that does not read back as what it should be for a gate that is not passed."""
+def judged(found: FileFindings, gate: str, path: Path) -> Iterator[None]:
+    """Take a file that does not read back as what it should be for a gate that is not passed.
+
+    Of an export that was handed on, a file may be anything: what no reader foresaw is such a gate.
+    """
     try:
-        yield
+        with guarded(path, "the file as it was written", ExportError):
+            yield
     except ExportError as error:
         found.gates.append(yes_no(gate, False, str(error)))

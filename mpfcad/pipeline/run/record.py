@@ -1,6 +1,5 @@
 """Findings and plan -> verification.json: inputs with their tags, provenance, gates."""
 
-import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from mpfcad.backlight import PRISM_FILE
 from mpfcad.backlight.stored import describe_stack, restore_stack
-from mpfcad.export import canonical_json, sha256
+from mpfcad.export import sha256
 from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
@@ -22,7 +21,6 @@ from mpfcad.pipeline.run.examine import Findings
 from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
 from mpfcad.record import Checks, build_gates, build_verification, confidence_gate
 from mpfcad.report import Evidence
-from mpfcad.store import code_hash, versions
 
 #: Job tables whose values are inputs of the result, and where their defaults come from.
 DEFAULT_SOURCES = {
@@ -141,26 +139,6 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         mask_period=plan.job.mask.period if mask is None else mask.period,
         aperture_ratio=None if check is None else check.aperture_ratio[piece],
     )
-
-
-def build_provenance(plan: Plan, job_file: Path, effort: str) -> dict[str, Any]:
-    """Return what cannot be found again from the export: inputs' hashes, versions, command."""
-    return {
-        "inputs_sha256": {
-            name: sha256(path) if path.is_file() else job_hash(plan.job)
-            for name, path in sorted(plan.input_file.items())
-        },
-        "versions": versions(),
-        "code_sha256": code_hash(),
-        "seed": plan.job.seed,
-        "threads": "any: results do not depend on it",
-        "command": f"mpfcad run {job_file.name} --effort {effort}",
-    }
-
-
-def job_hash(job: Job) -> str:
-    """Return the SHA-256 of a job that is in no file: of its values as stated, as JSON."""
-    return hashlib.sha256(canonical_json(job.given()).encode()).hexdigest()
 
 
 def file_hashes(folder: Path) -> dict[str, str]:

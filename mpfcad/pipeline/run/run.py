@@ -112,7 +112,8 @@ def _examine_and_report(
     browser: str | None,
 ) -> dict[str, Any]:
     from mpfcad.pipeline.run.examine import examine
-    from mpfcad.pipeline.run.record import build_provenance, build_record, gather_evidence
+    from mpfcad.pipeline.run.provenance import build_provenance
+    from mpfcad.pipeline.run.record import build_record, gather_evidence
     from mpfcad.report import write_report
 
     setting = TRACE_SETTINGS[effort]

@@ -2,10 +2,12 @@
 
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from mpfcad.boundary import guarded
 from mpfcad.errors import ExportError, InputError, MpfcadError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
@@ -14,9 +16,6 @@ from mpfcad.pipeline.run.mask_order import ORDER
 from mpfcad.pipeline.run.run import REPORT, VERIFICATION, write_run_order
 from mpfcad.record import Rounded, compare_records
 from mpfcad.store import Store, code_hash, versions
-
-#: Provenance that only the run itself could know; it is protected by the hash alone.
-OF_THE_RUN = ("inputs_sha256", "versions", "code_sha256", "seed", "threads", "command")
 
 
 def verify_export(
@@ -45,20 +44,34 @@ def verify_export(
     manifest = check_manifest(folder)
     if VERIFICATION not in manifest["files"]:
         raise InputError(f"{folder}: holds no {VERIFICATION}: every hash holds, nothing to trace")
-    stored = _read_record(folder / VERIFICATION)
-    try:
+    stored = read_record(folder / VERIFICATION)
+    with checked_record(folder, stored):
         _check(folder, stored, threads, progress, rounded)
-    except (MpfcadError, LookupError, TypeError, ValueError, AttributeError) as error:
-        given = stored.get("provenance") if isinstance(stored, dict) else None
-        maker = _maker(given if isinstance(given, dict) else {})
-        if isinstance(error, ExportError):
-            raise ExportError(f"{error}{maker}") from error
-        reason = error if isinstance(error, MpfcadError) else f"not read as a record: {error!r}"
-        raise ExportError(f"{folder / VERIFICATION}: {reason}{maker}") from error
     return dict(stored)
 
 
-def _read_record(path: Path) -> dict[str, Any]:
+@contextmanager
+def checked_record(folder: Path, stored: dict[str, Any]) -> Iterator[None]:
+    """Have whatever a record makes fail be an `ExportError` that says which versions made it."""
+    path = folder / VERIFICATION
+    try:
+        with guarded(path, "the record of a run", ExportError):
+            yield
+    except MpfcadError as error:
+        given = stored.get("provenance")
+        maker = _maker(given if isinstance(given, dict) else {})
+        where = "" if isinstance(error, ExportError) else f"{path}: "
+        raise ExportError(f"{where}{error}{maker}") from error
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """Return what is in verification.json.
+
+    Raises
+    ------
+    ExportError
+        when it is no JSON table.
+    """
     try:
         stored = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:
@@ -94,16 +107,18 @@ def _find_again(
     from mpfcad.pipeline.plan.plan import restore_plan
     from mpfcad.pipeline.run.examine import examine
     from mpfcad.pipeline.run.make import plan_mask, write_mask_pictures
+    from mpfcad.pipeline.run.provenance import restore_provenance
     from mpfcad.pipeline.run.record import build_record, gather_evidence
     from mpfcad.report import build_page
 
     plan = restore_plan(folder, stored["job"])
     setting = TraceSetting(**stored["job"]["trace"])
+    provenance = restore_provenance(plan, stored["provenance"])
     with Checkpoints(Store.open(progress.note)) as checkpoints:
         mask = plan_mask(plan)
-        findings = examine(folder, plan, mask, setting, threads, checkpoints, progress)
-        given = stored["provenance"]
-        provenance = {key: given[key] for key in OF_THE_RUN if key in given}
+        findings = examine(
+            folder, plan, mask, setting, threads, checkpoints, progress, foreign=True
+        )
         record = build_record(folder, plan, findings, setting, provenance)
 
     def draw(record: dict[str, Any]) -> dict[str, bytes]:
@@ -132,7 +147,8 @@ def _compare_pages(folder: Path, pages: dict[str, bytes]) -> None:
 
 def _maker(made: dict[str, Any]) -> str:
     """Return which versions made an export, where they are not those that verify it."""
-    here, there = versions(), made.get("versions", {})
+    here, there = versions(), made.get("versions")
+    there = there if isinstance(there, dict) else {}
     other = [
         f"{name} {version} (here {here.get(name, 'not used')})"
         for name, version in there.items()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpfcad.boundary.apart import apart
 from mpfcad.errors import InputError
 from mpfcad.optics.solid.format.body import Body, MeshFile
 
@@ -32,6 +33,15 @@ def read_step(path: Path, data: bytes) -> MeshFile:
             f"{path}: STEP: {faces} faces: expected at most {MOST_FACES} to tessellate: give the "
             "film's STL, or fewer grooves"
         )
+    bodies = apart(path, "a STEP file of solids", read_solids, path, data)
+    if not bodies:
+        raise InputError(f"{path}: STEP: no solid in it: expected one or more")
+    kind = f"STEP, facets within {np.degrees(SLOPE_TOLERANCE):g} deg of the surface's slope"
+    return MeshFile(kind, tuple(bodies))
+
+
+def read_solids(path: Path, data: bytes) -> list[Body]:
+    """Return the solids as facets [mm]; the kernel crashes at some damaged files."""
     shape = _shape(path, data)
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopAbs import TopAbs_SOLID
@@ -44,10 +54,7 @@ def read_step(path: Path, data: bytes) -> MeshFile:
     while walk.More():
         bodies.append(_body(path, TopoDS.Solid(walk.Current()), len(bodies) + 1))
         walk.Next()
-    if not bodies:
-        raise InputError(f"{path}: STEP: no solid in it: expected one or more")
-    kind = f"STEP, facets within {np.degrees(SLOPE_TOLERANCE):g} deg of the surface's slope"
-    return MeshFile(kind, tuple(bodies))
+    return bodies
 
 
 def _parameters() -> Any:

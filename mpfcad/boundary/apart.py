@@ -1,0 +1,99 @@
+"""Calls in a process of their own: a file that makes a library in C++ crash takes only that along.
+
+What the libraries print there is dropped; what goes wrong is one line that names the file.
+"""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TypeVar
+
+from mpfcad.boundary.file import guarded
+from mpfcad.errors import InputError, MpfcadError
+
+Value = TypeVar("Value")
+_CHILD = "from mpfcad.boundary.apart import serve; serve()"
+_told: Callable[[str], None] | None = None
+
+
+def apart(
+    where: object,
+    expected: str,
+    function: Callable[..., Value],
+    *arguments: Any,
+    kind: type[MpfcadError] = InputError,
+    stage: Callable[[str], None] | None = None,
+) -> Value:
+    """Return what a function of a module gives for these arguments, called in another process.
+
+    `stage` is called with what the function tells by `tell_stage`; the last one stands in the line
+    of a crash.
+
+    Raises
+    ------
+    InputError
+        or `kind`, when the process ends without an answer: beginning with `where`.
+    """
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    child = subprocess.Popen(
+        [sys.executable, "-c", _CHILD], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL, env=environment,
+    )  # fmt: skip
+    last = ""
+    try:
+        assert child.stdin is not None and child.stdout is not None
+        with suppress(BrokenPipeError), child.stdin as call:
+            pickle.dump((str(where), expected, function, arguments, kind), call)
+        while True:
+            try:
+                word, value = pickle.load(child.stdout)
+            except (EOFError, pickle.UnpicklingError):
+                break
+            if word == "answer":
+                return value
+            if word == "error":
+                raise value
+            last = f" while {value}"
+            if stage is not None:
+                stage(value)
+    finally:
+        child.kill()
+        child.wait()
+    raise kind(f"{where}: its reader crashed{last} ({_end(child.returncode)}): expected {expected}")
+
+
+def tell_stage(text: str) -> None:
+    """Tell the process that asked what begins; nobody where the call is not apart."""
+    if _told is not None:
+        _told(text)
+
+
+def serve() -> None:
+    """Answer the one call that comes on standard input."""
+    global _told
+    # Libraries print on descriptor 1; the answer has one of its own.
+    answer = os.fdopen(os.dup(1), "wb")
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
+    where, expected, function, arguments, kind = pickle.load(sys.stdin.buffer)
+
+    def tell(word: str, value: object) -> None:
+        answer.write(pickle.dumps((word, value)))
+        answer.flush()
+
+    _told = lambda text: tell("stage", text)  # noqa: E731
+    try:
+        with guarded(where, expected, kind):
+            tell("answer", function(*arguments))
+    except MpfcadError as error:
+        tell("error", type(error)(str(error)))
+
+
+def _end(code: int) -> str:
+    with suppress(ValueError):
+        return signal.Signals(-code).name
+    return f"exit code {code}"

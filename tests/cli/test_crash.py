@@ -1,0 +1,54 @@
+"""A file that makes a reader in C++ crash is one line, and the program lives on."""
+
+import os
+import signal
+
+import pytest
+
+from mpfcad.boundary.apart import apart, tell_stage
+from mpfcad.cli import run_app
+from mpfcad.errors import ExportError, InputError
+
+
+def double(value):
+    print("what a library prints is dropped")
+    os.write(1, b"\x00\xff")
+    return 2 * value
+
+
+def crash(number):
+    tell_stage("reading film.step")
+    os.kill(os.getpid(), number)
+
+
+def refuse(path):
+    raise InputError(f"{path}: row 3: expected numbers")
+
+
+def fail():
+    raise ZeroDivisionError("division by zero")
+
+
+def test_an_answer_comes_back():
+    assert apart("a.step", "a solid", double, 21) == 42
+
+
+def test_a_crash_is_one_line_that_says_what_was_read():
+    told = []
+    with pytest.raises(ExportError, match=r"a: its reader crashed while reading film\.step \(SIG"):
+        apart("a", "an export", crash, signal.SIGSEGV, kind=ExportError, stage=told.append)
+    assert told == ["reading film.step"]
+
+
+def test_an_error_is_the_same_error():
+    with pytest.raises(InputError, match=r"^b: row 3: expected numbers$"):
+        apart("b", "a table", refuse, "b")
+    with pytest.raises(InputError, match=r"b: not readable \(ZeroDivisionError"):
+        apart("b", "a table", fail)
+
+
+def test_a_step_file_that_is_none_is_one_line(tmp_path, capfd):
+    (tmp_path / "a.step").write_text("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=(;\nENDSEC;\n")
+    assert run_app(["trace", str(tmp_path / "a.step")]) == 2
+    error = capfd.readouterr().err
+    assert error.count("\n") == 1 and "a.step" in error
