@@ -64,7 +64,7 @@ class MeshTable(Table):
     thread_um: Annotated[Positive, Field(le=1000)] | None = None
     opening_um: Annotated[Positive, Field(le=1000)] | None = None
     thickness_um: Annotated[Positive, Field(le=1000)] | None = None
-    material: Literal["polyester", "steel"] = "polyester"
+    material: Literal["polyester", "steel", "calendered steel"] = "polyester"
     emulsion_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
     angle_deg: Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)] = 22.5
     release: Annotated[Positive, Field(le=1)] | None = None

@@ -167,10 +167,16 @@ def suggest_mesh(rules: MaskRules, size: NDArray[np.float64], period: float) -> 
     if rules.mesh is None:
         return ""
     feature = float(min(size.min(), period - size.max()))
-    mesh = coarsest_mesh(feature) if feature >= min(rules.min_aperture, rules.min_web) else None
+    material = rules.mesh.material
+    mesh = (
+        coarsest_mesh(feature, material)
+        if feature >= min(rules.min_aperture, rules.min_web)
+        else None
+    )
     if mesh is not None:
         return f"; mesh {mesh.name} would do"
-    finest = min(shipped_catalogue(), key=lambda mesh: mesh.min_feature)
+    same = [mesh for mesh in shipped_catalogue() if mesh.material == material]
+    finest = min(same, key=lambda mesh: mesh.min_feature)
     needed = max(finest.min_feature, rules.min_aperture, rules.min_web)
     longer = ""
     if rules.pattern == "slot":

@@ -79,7 +79,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
         ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, catalogue"]),
         ('[mask.mesh]\nname = "90-48"', ["grooves 0-679", "no common mesh would do"]),
         ('pattern = "stripe"', ["mask.pattern: stripe: expected 'slot', 'dot'"]),
-        ("period_um = 700.0\n[mask.mesh]\nname = '90-48'", ["mesh 120-31 would do"]),
+        ("period_um = 700.0\n[mask.mesh]\nname = '90-48'", ["mesh 106-34 would do"]),
     ],
 )
 def test_what_cannot_be_made_is_said_in_one_line(tmp_path, mask, words):

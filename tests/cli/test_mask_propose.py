@@ -103,3 +103,11 @@ def test_a_map_of_both_directions_prints_through_auto(tmp_path, monkeypatch, cap
     assert gates["screen_ratio_min"]["value"] == pytest.approx(low, abs=1e-3)
     # A slot drawn groove by groove is one aperture: its length counts, not the groove's width.
     assert gates["screen_aperture_um"]["value"] > 50.5
+    # From the export alone: mirrored, and back to the same bytes.
+    for path in tmp_path.glob("*.npz"):
+        path.unlink()
+    again = ("--format", "oas", "--out")
+    assert run_app(["mask", "out", "--mirror", *again, "mirrored"]) == 0
+    assert run_app(["mask", "mirrored", "--no-mirror", *again, "back"]) == 0
+    files = [(tmp_path / name / "mask.oas").read_bytes() for name in ("out", "mirrored", "back")]
+    assert files[0] == files[2] != files[1]

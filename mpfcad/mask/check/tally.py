@@ -29,6 +29,8 @@ class Tally:
         edges of the squares
     is_slot
         whether listed apertures are grooves' parts of slots across them: only their length counts
+    is_tiled
+        whether the mask is of tiles one groove wide, of a map of both directions
     groove_area
         (n,) float64, area of the apertures over each groove
     square_area
@@ -46,6 +48,7 @@ class Tally:
     along: NDArray[np.float64]
     across: NDArray[np.float64]
     is_slot: bool = False
+    is_tiled: bool = False
     count: int = 0
     smallest_aperture: int | None = None
     smallest_web: int | None = None
@@ -94,7 +97,11 @@ class Tally:
     def measure(self) -> None:
         """Find the smallest features of the lattices, and refuse overlaps."""
         pitch = float(self.groove_edge[-1]) / len(self.groove_area)
-        self._note(*measure_webs(str(self.path), self._columns, pitch))
+        aperture, web = measure_webs(str(self.path), self._columns, pitch)
+        if self.is_tiled and self.is_slot and aperture is not None:
+            # Tiles that a file holds as lattices are grooves' parts of slots, as listed ones are.
+            aperture = int(self._columns.height.min())
+        self._note(aperture, web)
 
     @cached_property
     def _columns(self) -> Columns:

@@ -18,7 +18,7 @@ COLUMNS = (
 #: Columns that may be empty: the value is then computed, with its width.
 OPTIONAL = ("opening_um", "thickness_um")
 LARGEST = 5000.0
-MATERIALS: dict[str, Material] = {"polyester": "polyester", "steel": "steel"}
+MATERIALS: dict[str, Material] = {name: name for name in ("polyester", "steel", "calendered steel")}
 
 
 @cache
@@ -60,7 +60,8 @@ def _read_row(row: list[str], where: str) -> Mesh:
     material = MATERIALS.get(cells["material"])
     if material is None:
         raise InputError(
-            f"{where}: material: {cells['material']!r}: expected 'polyester' or 'steel'"
+            f"{where}: material: {cells['material']!r}: expected 'polyester', 'steel' or "
+            f"'calendered steel'"
         )
     if not cells["name"] or not cells["source"]:
         raise InputError(f"{where}: name, source: expected both")
@@ -123,8 +124,13 @@ def find_mesh(
     return mesh.coated(emulsion)
 
 
-def coarsest_mesh(feature: float, catalogue: tuple[Mesh, ...] | None = None) -> Mesh | None:
+def coarsest_mesh(
+    feature: float, material: Material = "polyester", catalogue: tuple[Mesh, ...] | None = None
+) -> Mesh | None:
     """Return the mesh with most volume whose smallest feature is at most `feature` [mm]."""
-    meshes = shipped_catalogue() if catalogue is None else catalogue
-    fine = [mesh for mesh in meshes if mesh.min_feature <= feature * (1 + 1e-12)]
+    fine = [
+        mesh
+        for mesh in (shipped_catalogue() if catalogue is None else catalogue)
+        if mesh.material == material and mesh.min_feature <= feature * (1 + 1e-12)
+    ]
     return max(fine, key=lambda mesh: mesh.fabric_volume, default=None)

@@ -17,13 +17,15 @@ from mpfcad.errors import InputError
 from mpfcad.film import Groove
 from mpfcad.units import um
 
-Material = Literal["polyester", "steel"]
+Material = Literal["polyester", "steel", "calendered steel"]
 #: Fabric thickness over thread diameter where no figure is given. Polyester: 59/40, 72/48, 84/54
 #: and 63/40 of the catalogue have mean 1.53, and twice their deviation is 0.09. Steel wire does
-#: not flatten as it is woven: two wires, less up to a tenth.
+#: not flatten as it is woven: two wires, less up to a tenth. How far a calender rolls it is the
+#: weaver's: from hardly at all down to crossings of six tenths.
 THICKNESS_FACTOR: dict[Material, tuple[float, float]] = {
     "polyester": (1.53, 0.09),
     "steel": (1.95, 0.10),
+    "calendered steel": (1.55, 0.35),
 }
 #: How far an opening that is computed, and one from a table, may be off [mm], 95 %. The catalogue's
 #: openings exceed 1/n - d by 1.9 µm: the count is rounded, and threads flatten.
@@ -37,7 +39,7 @@ class Mesh:
     Attributes
     ----------
     name
-        threads per cm, a hyphen, thread diameter in µm
+        threads per cm, a hyphen, thread diameter in µm; of steel as the trade has it, per inch
     count
         threads per mm
     thread
@@ -51,7 +53,7 @@ class Mesh:
     source
         where the figures come from
     material
-        `polyester` or `steel`
+        `polyester`, `steel` (as woven) or `calendered steel`
     opening_width, thickness_width
         half widths of the 95 % intervals of opening and thickness
     """
@@ -98,6 +100,12 @@ class Mesh:
     def is_sourced(self) -> bool:
         """Whether opening and thickness are a table's, not computed."""
         return self.opening_width <= STATED_WIDTH and self.thickness_width <= STATED_WIDTH
+
+    @property
+    def computed(self) -> str:
+        """Which of opening and thickness are computed, as text; empty: neither."""
+        widths = (("opening", self.opening_width), ("thickness", self.thickness_width))
+        return " and ".join(name for name, width in widths if width > STATED_WIDTH)
 
     @property
     def min_feature(self) -> float:

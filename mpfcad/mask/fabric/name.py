@@ -4,14 +4,19 @@ import math
 import re
 from collections.abc import Iterable
 
-from mpfcad.mask.fabric.mesh import Mesh
+from mpfcad.mask.fabric.mesh import Material, Mesh
 from mpfcad.units import um
 
 #: threads/cm / threads/inch - thread µm and letters for colour and weave: `120/305-34Y PW`.
 _NAME = re.compile(r"(?:(\d+(?:\.\d+)?)\s*/\s*)?(\d+(?:\.\d+)?)\s*[-.–]\s*(\d+)\s*[A-Za-z /]*$")
 INCH_IN_CM = 2.54
+#: Words for steel, and for steel that was rolled; before the count or after the thread.
+_STEEL = re.compile(r"steel|stainless|inox|edelstahl|(?<![a-z])(ss|sus|v2a|v4a)(?![a-z])")
+_ROLLED = re.compile(r"calender|kalandriert|(?<![a-z])(cal|cl|c)(?![a-z])")
 #: How far a count per inch, divided by 2.54, may be from the count per cm: both are rounded.
 ROUNDING = 0.03
+#: A mesh of another material is as far off as one of so much another count.
+OTHER_MATERIAL = 0.3
 
 
 def parse_name(text: str) -> tuple[tuple[float, ...], float] | None:
@@ -29,6 +34,22 @@ def parse_name(text: str) -> tuple[tuple[float, ...], float] | None:
     return (float(count), float(count) / INCH_IN_CM), float(thread)
 
 
+def named_materials(text: str) -> tuple[Material, ...]:
+    """Return the materials that a name may mean, likeliest first.
+
+    Examples
+    --------
+    >>> named_materials("SS 325-28 calendered")
+    ('calendered steel',)
+    """
+    words = text.casefold()
+    if _ROLLED.search(words):
+        return ("calendered steel",)
+    if _STEEL.search(words):
+        return ("steel", "calendered steel")
+    return ("polyester", "steel", "calendered steel")
+
+
 def match_name(text: str, meshes: Iterable[Mesh]) -> Mesh | None:
     """Return the mesh that a name means; None when there is none."""
     meshes = list(meshes)
@@ -39,15 +60,21 @@ def match_name(text: str, meshes: Iterable[Mesh]) -> Mesh | None:
     if parsed is None:
         return None
     counts, thread = parsed
-    for count in counts:
-        near = [
-            (abs(mesh.count * 10 / count - 1), i)
-            for i, mesh in enumerate(meshes)
-            if abs(mesh.thread / um - thread) < 0.5
-            and abs(mesh.count * 10 / count - 1) <= (0 if count == int(count) else ROUNDING)
-        ]
-        if near:
-            return meshes[min(near)[1]]
+    for material in named_materials(text):
+        of_it = [mesh for mesh in meshes if mesh.material == material]
+        for count in counts:
+            near = [
+                (abs(mesh.count * 10 / count - 1), i)
+                for i, mesh in enumerate(of_it)
+                if abs(mesh.thread / um - thread) < 0.5
+                and (
+                    round(mesh.count * 10) == count
+                    if count == int(count)
+                    else abs(mesh.count * 10 / count - 1) <= ROUNDING
+                )
+            ]
+            if near:
+                return of_it[min(near)[1]]
     return None
 
 
@@ -57,10 +84,13 @@ def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]
     number = re.search(r"\d+", text)
     if parsed is None and number is None:
         return [mesh.name for mesh in meshes][:most]
-    counts, thread = parsed or ((float(number[0]),), 0.0)  # type: ignore[index]
+    alone = float(number[0]) if number else 0.0
+    counts, thread = parsed or ((alone, alone / INCH_IN_CM), 0.0)
+    likeliest = named_materials(text)[0]
 
     def distance(mesh: Mesh) -> float:
         aside = abs(math.log(mesh.thread / um / thread)) if thread else 0.0
+        aside += 0.0 if mesh.material == likeliest else OTHER_MATERIAL
         return min(abs(math.log(mesh.count * 10 / count)) for count in counts if count > 0) + aside
 
     return [mesh.name for mesh in sorted(meshes, key=distance)[:most]]

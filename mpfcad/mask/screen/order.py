@@ -99,6 +99,7 @@ def describe_order(
         "mesh_material": None if mesh is None else mesh.material,
         "mesh_opening_um": None if mesh is None else mesh.opening / um,
         "mesh_thickness_um": None if mesh is None else mesh.thickness / um,
+        "mesh_computed": "" if mesh is None else mesh.computed,
         "mesh_angle_deg": terms.mesh_angle / deg,
         "emulsion_over_mesh_um": 0.0 if mesh is None else mesh.emulsion / um,
         "emulsion_side": phototool.emulsion_side,

@@ -63,6 +63,8 @@ def _rows(order: dict[str, Any], printability: str | None) -> Iterator[tuple[str
                 f"{order['mesh_opening_um']:.3g} µm, fabric {order['mesh_thickness_um']:.3g} µm"
             ),
         )
+        if order["mesh_computed"]:
+            yield "of these computed", f"{order['mesh_computed']}: state the weaver's in the offer"
         yield "angle of the threads to the grooves", f"{order['mesh_angle_deg']:g}°"
         yield "emulsion over mesh", f"{order['emulsion_over_mesh_um']:g} µm"
     yield "emulsion side", f"the {order['emulsion_side']}'s"

@@ -78,6 +78,7 @@ class Printing:
         """Return it in outside names, fit for JSON."""
         return {
             "screen": "phototool only" if self.mesh is None else self.mesh.name,
+            "mesh_computed": "" if self.mesh is None else self.mesh.computed,
             "aperture_ratio": [self.ratio_min, self.ratio_max],
             "release": self.release,
             "levelling_length_mm": self.levelling_length,

@@ -208,12 +208,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
         raise ExportError(f"{where}: job: its defaults differ in this version of mpfcad")
     groove = job.film.groove
     text = document["calibration"]
-    with tempfile.TemporaryDirectory() as temporary:
-        file = None
-        if text is not None:
-            file = Path(temporary) / "calibration.toml"
-            file.write_bytes(text.encode())
-        process = read_job_process(job, file, groove, str(folder / "verification.json"))
+    process = restore_process(job, text, where)
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
     panel_map: PanelMap
@@ -228,13 +223,33 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
 
 def stored_job(plan: Plan) -> dict[str, Any]:
     """Return what `restore_plan` needs besides an export's own files."""
+    return describe_job(plan.job, plan.stack, plan.calibration, plan.measured)
+
+
+def describe_job(
+    job: Job,
+    stack: Stack,
+    calibration: str | None,
+    measured: NDArray[np.float64] | None = None,
+) -> dict[str, Any]:
+    """Return a job with all that it names: its calibration's text, mean groove and backlight."""
     return {
-        "resolved": plan.job.document(),
-        "given": plan.job.given(),
-        "calibration": plan.calibration,
-        "measured_mm": None if plan.measured is None else plan.measured.tolist(),
-        "stack": describe_stack(plan.stack),
+        "resolved": job.document(),
+        "given": job.given(),
+        "calibration": calibration,
+        "measured_mm": None if measured is None else measured.tolist(),
+        "stack": describe_stack(stack),
     }
+
+
+def restore_process(job: Job, text: str | None, where: str) -> Process | None:
+    """Return the process of a job whose calibration is kept as text."""
+    if text is None:
+        return read_job_process(job, None, job.film.groove, where)
+    with tempfile.TemporaryDirectory() as temporary:
+        file = Path(temporary) / "calibration.toml"
+        file.write_bytes(text.encode())
+        return read_job_process(job, file, job.film.groove, where)
 
 
 def read_curvature(folder: Path) -> NDArray[np.float64]:

@@ -132,18 +132,26 @@ def _by_volume(job: Job, mesh: Mesh, model: str, groove: Groove) -> Process:
         "volume_cm3_m2": mesh.volume / um,
         "solids_fraction": solids,
     }
+    computed = () if mesh.is_sourced else (_computed_caveat(mesh),)
     if model == "linear":
-        process = Process.build(
-            groove, "volume", [1.0], [factor], source, (LINEAR_CAVEAT,), full=solids
-        )
+        caveats = (LINEAR_CAVEAT, *computed)
+        process = Process.build(groove, "volume", [1.0], [factor], source, caveats, full=solids)
         return replace(process, log_deviation=deviation, screen=screen)
     return Process.build_tone(
         groove,
         prior_belief(factor, deviation),
         f"{source}; tone curve: Sefar, half-tone printing process line",
-        PRIOR_CAVEATS,
+        (*PRIOR_CAVEATS, *computed),
         solids_fraction=solids,
         screen=screen,
+    )
+
+
+def _computed_caveat(mesh: Mesh) -> str:
+    """Return what is not a weaver's figure of a mesh, and what that makes of its volume."""
+    return (
+        f"mesh {mesh.name}: {mesh.computed} computed from its name, no weaver's figures: ink "
+        f"volume ± {mesh.volume_width:.0%}; a weaver's own go into mask.mesh"
     )
 
 

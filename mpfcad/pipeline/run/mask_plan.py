@@ -1,17 +1,24 @@
 """A job's mask and its screen, known before any file is made; of 1-D and of 2-D maps."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mpfcad.film import Process
+from mpfcad.backlight import Stack
+from mpfcad.film import FieldFilm, Process, write_curvature_field
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
-from mpfcad.pipeline.plan.field import has_field, read_field_film
+from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap
-from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan, stored_job
+from mpfcad.pipeline.plan.plan import (
+    Plan,
+    describe_job,
+    read_job_stack,
+    read_plan,
+    stored_job,
+)
 from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
 from mpfcad.pipeline.plan.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.propose import Proposal, propose, with_screen
@@ -34,14 +41,17 @@ class MaskPlan:
         its apertures
     process
         the printing process
-    plan
-        of the whole job; None when the map varies along the grooves too
+    stored
+        the job with all that it names, for an export
+    write_curvature
+        writes the curvatures that the mask is made of into a folder
     """
 
     job: Job
     mask: Mask
     process: Process
-    plan: Plan | None
+    stored: dict[str, Any]
+    write_curvature: Callable[[Path], None]
 
     def describe(self) -> dict[str, Any]:
         """Return what screen maker and printer have to know, in outside names."""
@@ -62,7 +72,7 @@ class MaskPlan:
             "printability": printability(printing, gates),
             "gates": [gate.document() for gate in gates],
             "order": job_order(self.job, self.mask, self.process),
-            "job": None if self.plan is None else stored_job(self.plan),
+            "job": self.stored,
         }
 
     def phototool(self) -> Phototool:
@@ -89,9 +99,31 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
         return _read_field(job, job_file)
     refuse_unprintable(job, str(job_file))
     plan = read_plan(job, job_file)
+    found = mask_plan_of(plan)
+    assert found is not None  # what no screen prints is refused
+    return found
+
+
+def mask_plan_of(plan: Plan) -> MaskPlan | None:
+    """Return the mask of a whole plan; None for a film that no print can make."""
     mask, process = plan_mask(plan), plan.process
-    assert mask is not None and process is not None  # what no screen prints is refused
-    return MaskPlan(plan.job, mask, process, plan)
+    if mask is None or process is None:
+        return None
+    return MaskPlan(plan.job, mask, process, stored_job(plan), plan.write_curvature)
+
+
+def field_mask_plan(
+    job: Job, film: FieldFilm, stack: Stack, process: Process | None, calibration: str | None
+) -> MaskPlan:
+    """Return the mask of a map that varies along the grooves too; no piece of it is cut."""
+    assert process is not None  # refuse_unprintable saw to that
+    mask = build_mask(film, process, job_rules(job, film, process), job.name)
+    stored = describe_job(job, stack, calibration)
+
+    def write_curvature(folder: Path) -> None:
+        write_curvature_field(folder / FIELD_FILE, film.field)
+
+    return MaskPlan(job, mask, process, stored, write_curvature)
 
 
 def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
@@ -133,6 +165,5 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     calibration = None if file is None else job_file.parent / file
     job, reason = with_screen(job, job_file, panel_map.curvature, groove)
     process = with_reason(read_job_process(job, calibration, groove, str(job_file)), reason)
-    assert process is not None  # refuse_unprintable saw to that
-    mask = build_mask(film, process, job_rules(job, film, process), job.name)
-    return MaskPlan(job, mask, process, None)
+    text = None if calibration is None else calibration.read_text("utf-8")
+    return field_mask_plan(job, film, read_job_stack(job, job_file), process, text)

@@ -4,12 +4,14 @@ import json
 from pathlib import Path
 from typing import Any
 
+from mpfcad.backlight.stored import restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import Job, build_job
-from mpfcad.pipeline.plan.field import FIELD_FILE
-from mpfcad.pipeline.plan.plan import CURVATURE_FILE, restore_plan
-from mpfcad.pipeline.run.make import plan_mask
-from mpfcad.pipeline.run.mask_plan import MaskPlan
+from mpfcad.pipeline.plan.field import FIELD_FILE, read_field_film
+from mpfcad.pipeline.plan.plan import CURVATURE_FILE, restore_plan, restore_process
+from mpfcad.pipeline.plan.size import groove_count
+from mpfcad.pipeline.run.make import refuse_unprintable
+from mpfcad.pipeline.run.mask_plan import MaskPlan, field_mask_plan, mask_plan_of
 
 #: Where an export holds its job, by the command that made it.
 JOB_FILES = ("verification.json", "screen.json")
@@ -60,14 +62,25 @@ def restore_mask_plan(folder: Path, changes: dict[str, Any]) -> MaskPlan:
     job = build_job(given, str(folder))
     if job.mask.mesh is not None and job.mask.mesh.is_auto:
         raise InputError(f"{folder}: --mesh: auto: expected a name; choose one with --propose")
+    if (folder / FIELD_FILE).is_file():
+        return _restore_field(folder, job, document)
     try:
         plan = restore_plan(folder, {**document, "given": given, "resolved": job.document()})
     except ExportError as error:
         raise InputError(str(error)) from None
-    mask = plan_mask(plan)
-    if mask is None or plan.process is None:
+    found = mask_plan_of(plan)
+    if found is None:
         raise InputError(f"{folder}: holds no mask: expected the export of a printed film")
-    return MaskPlan(plan.job, mask, plan.process, plan)
+    return found
+
+
+def _restore_field(folder: Path, job: Job, document: dict[str, Any]) -> MaskPlan:
+    """Return the mask of a map that varies along the grooves too."""
+    refuse_unprintable(job, str(folder))
+    stack, text = restore_stack(document["stack"]), document["calibration"]
+    count = groove_count(stack.panel_width, job.film.groove.pitch)
+    film = read_field_film(job, folder / FIELD_FILE, str(folder), count, stack)
+    return field_mask_plan(job, film, stack, restore_process(job, text, str(folder)), text)
 
 
 def _job_document(folder: Path) -> dict[str, Any]:

@@ -185,8 +185,7 @@ def make_planned_mask(
     refuse_mask_formats(job, plan.mask, formats, str(source))
     tool = phototool(job, plan.mask, plan.process)
     with export_folder(out, "mask") as folder:
-        if plan.plan is not None:
-            write_curvature(plan.plan, folder)
+        plan.write_curvature(folder)
         write_masks(plan.mask, tool, folder, formats, progress)
         checks = check_masks(plan.mask, tool, folder, formats, progress)
         write_mask_pictures(folder, checks, plan.mask)

@@ -206,6 +206,9 @@ def _process_words(record: Record) -> str:
     half = (record.get("printing") or {}).get("curvature_half_width_per_mm")
     if half:
         words += f"; it sets C to ± {half:.2g} /mm (95 %)"
+    computed = (record.get("printing") or {}).get("mesh_computed")
+    if computed:
+        words += f"; {computed} of its mesh are computed, not a weaver's figures"
     return words + "."
 
 

@@ -62,6 +62,7 @@ def _printing_rows(printing: dict[str, Any] | None) -> list[tuple[str, Any]]:
         return []
     rows = [
         ("screen", printing["screen"]),
+        ("of its mesh computed, not a weaver's figures", printing.get("mesh_computed") or "None"),
         ("share of the ink volume that leaves the screen", number(printing["release"], 3)),
         ("ripple of C after levelling [1/mm]", number(printing["ripple_curvature_per_mm"], 3)),
         ("ripple of luminance after levelling", number(printing["ripple_luminance"], 3)),
