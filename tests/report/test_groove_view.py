@@ -5,8 +5,8 @@ import pytest
 
 from mpfcad.cad import write_stl
 from mpfcad.film import Groove, Imperfection, MadeFilm, PrismFilm
-from mpfcad.report.drawing.dimension_drawing import draw_dimensions
-from mpfcad.report.drawing.groove_view import groove_view
+from mpfcad.report.drawing.film.dimension_drawing import draw_dimensions
+from mpfcad.report.drawing.film.groove_view import groove_view
 
 BEF = Groove(0.050, 0.025)
 

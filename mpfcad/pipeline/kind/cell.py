@@ -75,7 +75,7 @@ class Cells(Kind):
         return MadeFilm(piece.cut(0, 1, piece.length), Imperfection())
 
     def view(self, mesh: Path) -> "go.Figure":
-        from mpfcad.report.drawing.cell_view import cell_view
+        from mpfcad.report.drawing.film.cell_view import cell_view
 
         return cell_view(mesh, self.film)
 

@@ -95,7 +95,7 @@ class FieldGrooves(Kind):
         return MadeFilm(piece, Imperfection())
 
     def view(self, mesh: Path) -> "go.Figure":
-        from mpfcad.report.drawing.field_view import field_view
+        from mpfcad.report.drawing.film.field_view import field_view
 
         return field_view(mesh, self.film)
 
@@ -106,7 +106,7 @@ class FieldGrooves(Kind):
         aperture: NDArray[np.float64] | None,
         recovered: list[float] | None,
     ) -> dict[str, Any]:
-        from mpfcad.report.drawing.field_view import field_figure
+        from mpfcad.report.drawing.film.field_view import field_figure
         from mpfcad.report.drawing.plot import plot
 
         across, along = self.film.origin

@@ -87,7 +87,7 @@ class Grooves(Kind):
         return MadeFilm(piece, Imperfection())
 
     def view(self, mesh: Path) -> "go.Figure":
-        from mpfcad.report.drawing.groove_view import groove_view
+        from mpfcad.report.drawing.film.groove_view import groove_view
 
         return groove_view(mesh, self.as_grooves(self.film))
 

@@ -73,7 +73,7 @@ class PieceGrooves(Kind):
         return MadeFilm(self.film.piece(int(self.film.chosen[0, 0])), Imperfection())
 
     def view(self, mesh: Path) -> "go.Figure":
-        from mpfcad.report.drawing.library_view import library_view
+        from mpfcad.report.drawing.film.library_view import library_view
 
         return library_view(mesh, self.film)
 
@@ -84,7 +84,7 @@ class PieceGrooves(Kind):
         aperture: NDArray[np.float64] | None,
         recovered: list[float] | None,
     ) -> dict[str, Any]:
-        from mpfcad.report.drawing.field_view import curvature_figure
+        from mpfcad.report.drawing.film.field_view import curvature_figure
         from mpfcad.report.drawing.plot import plot
 
         film = self.film

@@ -88,7 +88,7 @@ class MadeGrooves(Grooves):
         return self.film
 
     def view(self, mesh: Path) -> "go.Figure":
-        from mpfcad.report.drawing.groove_view import groove_view
+        from mpfcad.report.drawing.film.groove_view import groove_view
 
         return groove_view(mesh, self.film)
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from mpfcad.report.drawing.dimension_drawing import draw_dimensions
-from mpfcad.report.drawing.groove_drawing import draw_grooves
+from mpfcad.report.drawing.film.dimension_drawing import draw_dimensions
+from mpfcad.report.drawing.film.groove_drawing import draw_grooves
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number

@@ -3,7 +3,7 @@
 from base64 import b64encode
 from typing import Any
 
-from mpfcad.report.drawing.mask_drawing import draw_mask
+from mpfcad.report.drawing.film.mask_drawing import draw_mask
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number
 

@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film import FieldPiece
-from mpfcad.report.drawing.groove_view import BASE_SHOWN, GROOVES, PRISM_COLOUR, RESIN_COLOUR, scene
+from mpfcad.report.drawing.film.groove_view import (
+    BASE_SHOWN,
+    GROOVES,
+    PRISM_COLOUR,
+    RESIN_COLOUR,
+    scene,
+)
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

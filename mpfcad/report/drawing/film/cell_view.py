@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film import CellFilm
-from mpfcad.report.drawing.groove_view import BASE_SHOWN, PRISM_COLOUR, RESIN_COLOUR, scene
+from mpfcad.report.drawing.film.groove_view import BASE_SHOWN, PRISM_COLOUR, RESIN_COLOUR, scene
 from mpfcad.units import nm
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film import MadeFilm
-from mpfcad.report.drawing.groove_drawing import read_section
+from mpfcad.report.drawing.film.groove_drawing import read_section
 from mpfcad.units import um
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import numpy as np
 
 from mpfcad.cad.check.library import read_pieces
 from mpfcad.film import PieceLibrary
-from mpfcad.report.drawing.groove_view import BASE_SHOWN, GROOVES, LENGTH, PRISM_COLOUR, scene
+from mpfcad.report.drawing.film.groove_view import BASE_SHOWN, GROOVES, LENGTH, PRISM_COLOUR, scene
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

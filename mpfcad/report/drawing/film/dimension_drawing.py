@@ -4,7 +4,7 @@ import numpy as np
 
 from mpfcad.film import MadeFilm
 from mpfcad.report.drawing import svg
-from mpfcad.report.drawing.groove_drawing import PRISM, RESIN, SURFACE
+from mpfcad.report.drawing.film.groove_drawing import PRISM, RESIN, SURFACE
 from mpfcad.units import deg, um
 
 #: Pixels a millimetre, and how much of the base is shown below the valley [mm].
