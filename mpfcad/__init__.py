@@ -11,8 +11,7 @@ and at the top `job`, `pipeline`, `cli` and `api`, whose names stand here too. I
 only; tests/test_layering.py holds it. Nothing heavy is imported before it is used.
 """
 
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # as typing's; its import would be a third of this one's time
 if TYPE_CHECKING:
     from mpfcad.api import (
         Design,
@@ -51,14 +50,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Import a public name when it is first used (PEP 562)."""
     if name not in __all__:
         raise AttributeError(f"module 'mpfcad' has no attribute {name!r}")
     from importlib import import_module
 
     source = "mpfcad.errors" if name.endswith("Error") else "mpfcad.api"
-    return getattr(import_module(source), name)
+    found: object = getattr(import_module(source), name)
+    return found
 
 
 def __dir__() -> list[str]:

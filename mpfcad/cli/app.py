@@ -1,23 +1,11 @@
-"""The typer application: its global options and the list of subcommands."""
+"""The typer application and its global options; `group` has the subcommands."""
 
 import os
 from typing import Annotated
 
 import typer
 
-from mpfcad.cli.check import cache, doctor, sign, verify, view
-from mpfcad.cli.group import ExampleHelp, GroupedHelp
-from mpfcad.cli.make import cad, design, init, mask, mould, run, sweep
-from mpfcad.cli.measure import (
-    bsdf,
-    calibrate,
-    compare,
-    correct,
-    judge,
-    measure,
-    stacks,
-    trace,
-)
+from mpfcad.cli.group import GroupedHelp
 
 _DEBUG = "MPFCAD_DEBUG"
 
@@ -62,12 +50,3 @@ def _global_options(
         os.environ[_DEBUG] = "1"
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-_COMMANDS = (
-    run, mask, cad, mould, trace, measure, compare, verify, view, design, sweep, bsdf, calibrate,
-    judge, correct, stacks, cache, init, doctor, sign,
-)  # fmt: skip
-
-for command in _COMMANDS:
-    app.command(command.__name__.rpartition(".")[2], cls=ExampleHelp)(command.command)

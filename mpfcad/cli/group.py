@@ -1,8 +1,24 @@
-"""The subcommands in groups, with an example of each, as `--help` shows them."""
+"""The subcommands in groups, with an example of each, as `--help` shows them.
 
+A subcommand is built when it is asked for: its options cost more time than all else of `--help`.
+"""
+
+from collections.abc import Callable, Iterator, MutableMapping
+from importlib import import_module
+from inspect import getdoc
 from typing import Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
+
+#: Package of `mpfcad.cli` -> its subcommands, each the function `command` of the module so named.
+PLACES = {
+    "make": ("run", "mask", "cad", "mould", "design", "sweep", "init"),
+    "measure": (
+        "trace", "measure", "compare", "bsdf", "calibrate", "judge", "correct", "stacks",
+    ),
+    "check": ("verify", "view", "cache", "doctor", "sign"),
+}  # fmt: skip
 
 #: Group -> subcommand -> example.
 GROUPS = {
@@ -41,27 +57,66 @@ GROUPS = {
         "cache": "mpfcad cache --prune",
     },
 }
-#: Characters of a description that are shown: all.
-_WHOLE = 500
 EXAMPLES = {name: example for group in GROUPS.values() for name, example in group.items()}
 
 
+def function_of(name: str) -> Callable[..., Any]:
+    """Return what a subcommand calls."""
+    package = next(package for package, names in PLACES.items() if name in names)
+    function: Callable[..., Any] = import_module(f"mpfcad.cli.{package}.{name}").command
+    return function
+
+
+class Commands(MutableMapping[str, Any]):
+    """The subcommands by name, each built when it is first taken."""
+
+    def __init__(self) -> None:
+        self._names = [name for names in PLACES.values() for name in names]
+        self._built: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._names:
+            raise KeyError(name)
+        if name not in self._built:
+            alone = typer.Typer(
+                add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+            )
+            alone.command(name, cls=ExampleHelp)(function_of(name))
+            self._built[name] = typer.main.get_command(alone)
+        return self._built[name]
+
+    def __setitem__(self, name: str, command: Any) -> None:
+        self._names = [*(one for one in self._names if one != name), name]
+        self._built[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        self._names.remove(name)
+        self._built.pop(name, None)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
 class GroupedHelp(TyperGroup):
-    """The list of subcommands, in the groups above; what stands in none comes last."""
+    """The list of subcommands, in the groups above."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = Commands()
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the groups, each with its subcommands in order."""
-        known = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
-        rest = {name: "" for name in known if name not in EXAMPLES}
-        for title, names in {**GROUPS, "Others": rest}.items():
-            rows = [
-                (name, command.get_short_help_str(_WHOLE))
-                for name in names
-                if (command := known.get(name)) is not None
-            ]
-            if rows:
-                with formatter.section(title):
-                    formatter.write_dl(rows)
+        for title, names in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name, self._description(name)) for name in names])
+
+    def _description(self, name: str) -> str:
+        """Return the first paragraph of a subcommand's docstring."""
+        words = getdoc(function_of(name)) or ""
+        return " ".join(words.partition("\n\n")[0].split())
 
 
 class ExampleHelp(TyperCommand):

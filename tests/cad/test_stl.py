@@ -1,9 +1,12 @@
 """STL files: written, read back, and refused once tampered with."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from mpfcad.cad import check_stl, write_stl
+from mpfcad.cad.check.mesh_check import check_closed
 from mpfcad.cad.file.stl import FACET
 from mpfcad.errors import ExportError, InputError
 from mpfcad.gate import demand
@@ -168,6 +171,74 @@ def test_a_second_body_is_refused(written):
     save(path, np.concatenate([facets, other]))
     with pytest.raises(ExportError):
         demand(check_stl(path, film, TOLERANCE).gates)
+
+
+def bodies_of(*bodies):
+    """Return corners (t, 3, 3) and normals of manifold3d's bodies as one mesh."""
+    meshes = [body.to_mesh64() for body in bodies]
+    corner = np.concatenate([m.vert_properties[:, :3][m.tri_verts] for m in meshes])
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    return corner, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def test_one_body_without_a_hole_is_closed_and_no_other():
+    """A ring is refused, and so is one beside a block: their Euler numbers add up to a block's."""
+    import manifold3d
+
+    block = manifold3d.Manifold.cube((1.0, 1.0, 1.0))
+    ring = manifold3d.Manifold.cube((3.0, 3.0, 1.0)).translate((4.0, 0.0, 0.0))
+    ring -= manifold3d.Manifold.cube((1.0, 1.0, 3.0)).translate((5.0, 1.0, -1.0))
+    assert check_closed(Path("a.stl"), *bodies_of(block)) == pytest.approx(1.0)
+    with pytest.raises(ExportError, match="not one simple solid"):
+        check_closed(Path("a.stl"), *bodies_of(ring))
+    with pytest.raises(ExportError, match="more than one body"):
+        check_closed(Path("a.stl"), *bodies_of(block, ring))
+
+
+def test_a_stored_normal_turned_a_little_is_refused(written):
+    film, path, facets = written
+    facets["normal"][7] += np.float32([2e-5, 0, 0])
+    save(path, facets)
+    with pytest.raises(ExportError, match="stored normal"):
+        check_stl(path, film, TOLERANCE)
+
+
+def far_end(facets, axis, by):
+    """Move the corners of the far end along y (of its top, if `axis` is 2) by so much [mm]."""
+    corner = facets["corner"]
+    here = corner[:, :, 1] == corner[:, :, 1].max()
+    if axis == 2:
+        here &= corner[:, :, 2] > 0
+    corner[..., axis][here] += np.float32(by)
+    away = np.full(3, np.nan, np.float32)
+    move(facets, away, [0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("tamper", "gate"),
+    [
+        (lambda f: move(f, f["corner"][40, 0].copy(), [0, 0, 1e-6]), "mesh_height_error_um"),
+        (lambda f: far_end(f, 1, 5e-4), "mesh_extent_error_um"),
+        (lambda f: far_end(f, 1, 5e-4), "mesh_volume_error"),
+        (lambda f: far_end(f, 2, -0.02), "mesh_normal_error_deg"),
+    ],
+    ids=["height", "extent", "volume", "lean"],
+)
+def test_a_little_too_much_fails_its_gate(written, tamper, gate):
+    """A nanometre of height, half a micrometre of 2 mm, half a degree of lean along the grooves."""
+    film, path, facets = written
+    tamper(facets)
+    save(path, facets)
+    gates = {found.name: found.outcome for found in check_stl(path, film, TOLERANCE).gates}
+    assert gates[gate] == "FAIL"
+
+
+def test_a_kink_fifty_nanometres_off_its_place_is_seen(make_film, tmp_path):
+    """C 0.1 /mm larger moves the contact point by 0.055 µm: a wall's end there is no parabola's."""
+    write_stl(make_film(60.0), tmp_path / "film.stl", TOLERANCE)
+    check = check_stl(tmp_path / "film.stl", make_film(60.1), TOLERANCE)
+    failed = {gate.name for gate in check.gates if gate.outcome == "FAIL"}
+    assert "mesh_normal_error_deg" in failed
 
 
 def test_a_cut_short_file_is_refused(written):

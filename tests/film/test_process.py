@@ -194,6 +194,9 @@ def test_what_the_process_cannot_reach_is_refused(table):
         check_printable(table, [60, 5, 17, 60, low - 2], "job")
     with pytest.raises(InputError, match="groove 0: "):
         check_printable(DEFAULT, [81.0], "job")
+    a_little_more = table.groove.curvature_of_fill(table.fill_fraction_max * 1.001)
+    with pytest.raises(InputError, match="groove 0: "):
+        check_printable(table, [a_little_more], "job")
 
 
 def test_aperture_ratios_out_of_range_are_refused():

@@ -90,6 +90,30 @@ def test_coupons_that_scatter_widen_the_interval():
     assert torn.belief.log_deviation([0.1])[0] > 3 * calm.belief.log_deviation([0.1])[0]
 
 
+def test_the_dead_zone_stays_below_the_smallest_print():
+    """However little the smallest coupon holds: it did print."""
+    coupons = [FillCoupon(a, f, 1e-6, "c") for a, f in ((0.05, 1e-5), (0.1, 0.05), (0.2, 0.12))]
+    found = calibrate(prior_belief(0.7), coupons, spread=1e-6)
+    assert 0.02 < found.belief.mean[1] <= 0.9 * 0.05
+
+
+def test_a_scaled_belief_is_moved_and_widened():
+    before = prior_belief(0.7)
+    after = before.scaled(2.0, 0.1)
+    assert after.transfer_factor == pytest.approx(1.4)
+    assert after.deviation[0] ** 2 == pytest.approx(before.deviation[0] ** 2 + 0.01)
+    assert after.deviation[1:] == pytest.approx(before.deviation[1:])
+
+
+def test_the_curvature_s_interval_is_that_of_the_fill_turned_round():
+    process = Process.build_tone(BEF, prior_belief(0.57), "test", solids_fraction=0.5)
+    ratio = np.linspace(0.1, 0.5, 9)
+    low, high = process.curvature_interval(ratio)
+    assert np.all(low < process.curvature(ratio)) and np.all(process.curvature(ratio) < high)
+    more = BEF.fill_fraction(low) / process.fill_fraction(ratio)
+    assert np.log(more) == pytest.approx(1.96 * process.fill_deviation(ratio), rel=1e-4)
+
+
 def test_a_process_of_a_tone_curve_goes_both_ways():
     process = Process.build_tone(BEF, prior_belief(0.57), "test", solids_fraction=0.5)
     curvature = np.linspace(45, 79, 50)

@@ -110,6 +110,20 @@ def test_dark_flat_crop_and_rotation_are_taken_into_account(tmp_path):
     assert observe_pitch(raw, PITCH).contrast.value > CONTRAST + 2e-3
 
 
+def test_a_dark_frame_is_taken_off_the_flat_field_too(tmp_path):
+    """Without noise the light itself comes back, though half of the frame has 1000 dark counts."""
+    lens = np.linspace(0.5, 1.5, 32)[None] * np.ones((20, 1))
+    light = 4000 + 100 * np.cos(np.arange(32))[None] * np.ones((20, 1))
+    dark = np.where(np.arange(32) < 16, 1000.0, 0.0)[None] * np.ones((20, 1))
+    frames = {"photo": light * lens + dark, "dark": dark, "flat": 2000 * lens + dark}
+    for name, frame in frames.items():
+        np.savetxt(tmp_path / f"{name}.csv", frame, "%.9f", ";")
+    photo = Photo(0.5, 0.25, tmp_path / "dark.csv", tmp_path / "flat.csv")
+    curve = curve_of_image(read_image(tmp_path / "photo.csv", photo))
+    assert curve.luminance == pytest.approx(0.25 * light[0], rel=1e-9)
+    assert curve.position == pytest.approx(0.5 * np.arange(32) + 0.25)
+
+
 def test_spots_have_the_contrast_of_their_cell(tmp_path):
     """Product of two waves of 3 %: contrast (1.03² - 0.97²)/(1.03² + 0.97²) = 0.0599."""
     pixel = 0.25
