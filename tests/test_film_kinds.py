@@ -15,6 +15,7 @@ from mpfcad.job import CadTable
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.kind.registry import KINDS
 from mpfcad.report.page.environment import render
+from mpfcad.report.page.led_page import ShownFilm, write_led_page
 
 ROOT = Path(mpfcad.__file__).parent
 #: Films over the panel are films too, and so are those that the tracer knows.
@@ -147,3 +148,44 @@ def test_a_library_is_no_single_body(pieces, tmp_path):
     for call in (kind.check, kind.check_step, kind.check_mesh, lambda to: kind.write(to, "film")):
         with pytest.raises(InputError, match="expected 3mf"):
             call(path)
+
+
+def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path):
+    library, kind = pieces
+    names = ("film.3mf", "film-crossed.3mf")
+    films = [ShownFilm(kind, tmp_path / name, library.piece(0)) for name in names]
+    for film in films:
+        kind.write(film.file, "film")
+
+    def found(value):
+        return {"value": value, "standard_error": 0.1 * value, "ci95": [0.8 * value, 1.2 * value]}
+
+    side = {"across_mm": 0.3, "along_mm": 0.4}
+    record = {
+        "name": "two <films>",
+        "screen": "phototool only",
+        "optical_distance_mm": 1.736,
+        "height_over_pitch": 0.434,
+        "found": {
+            "cell": {**side, "luminance_cd_m2": [[1.0, 2.0], [2.0, 1.0]]},
+            "lamp_mura_contrast": found(0.056),
+            "mean_luminance_cd_m2": found(58313.0),
+            "sigma_over_mean": found(0.019),
+            "paths": 5_000_000,
+        },
+        "tried": [
+            {
+                "series_per_mm": [[68.0, 1.5], [-2.5, 0.25]],
+                "lamp_mura_contrast": found(0.12),
+                "paths": 300_000,
+            }
+        ],
+    }
+    write_led_page(tmp_path / "one.html", record, films)
+    write_led_page(tmp_path / "two.html", record, films)
+    page = (tmp_path / "one.html").read_text("utf-8")
+    assert (tmp_path / "two.html").read_text("utf-8") == page
+    words = ("two &lt;films&gt;", "0.0560 [0.0448, 0.0672]", "1.736", "0.434", "68", "2.5", "0.30")
+    assert all(word in page for word in (*words, *names, kind.extent))
+    for name in ("light", "film-1", "view-1", "film-2", "view-2"):
+        assert page.count(f'id="plot-{name}"') == 1

@@ -158,6 +158,6 @@ def test_a_design_from_file_to_record(tmp_path):
     record = run_led_design(one, tmp_path / "design.toml", tmp_path / "out", effort="quick")
     assert json.loads((tmp_path / "out" / "design.json").read_text()) == record
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {FILM, CROSSED, STACK, "curvature-cell.npz", "manifest.json"} <= names
+    assert {FILM, CROSSED, STACK, "curvature-cell.npz", "design.html", "manifest.json"} <= names
     low, high = record["found"]["lamp_mura_contrast"]["ci95"]
     assert 0 <= low < high < 0.2 and len(record["tried"]) == 2

@@ -14,13 +14,21 @@ from mpfcad.film import PieceLibrary
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
-from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, check_films, write_films
+from mpfcad.pipeline.led.film import (
+    CROSSED,
+    FILM,
+    STACK,
+    CellMap,
+    check_films,
+    shown_films,
+    write_films,
+)
 from mpfcad.pipeline.led.search import LedSearch, Tried
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
 
-RECORD, MAP = "design.json", "curvature-cell.npz"
+RECORD, PAGE, MAP = "design.json", "design.html", "curvature-cell.npz"
 
 
 def run_led_design(
@@ -42,6 +50,7 @@ def run_led_design(
         when the design is wrong or `out` is something else; `out` is then as it was.
     """
     from mpfcad.record import describe_cell
+    from mpfcad.report.page.led_page import write_led_page
 
     design_file, out = Path(design_file), Path(out)
     refuse_foreign(out.resolve(), "led-design")
@@ -98,6 +107,8 @@ def run_led_design(
             "found": describe_cell(found, run.seed),
         }
         write_text(folder / RECORD, canonical_json(record))
+        progress.stage(f"writing {PAGE}")
+        write_led_page(folder / PAGE, record, shown_films(films, folder))
         write_manifest(folder, design.name, "led-design")
     return record
 

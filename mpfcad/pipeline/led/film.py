@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from mpfcad.film import Groove, PieceLibrary, build_library
 from mpfcad.job import CadTable
 from mpfcad.job.led_design import LedDesign
 from mpfcad.pipeline.kind import kind_of
+
+if TYPE_CHECKING:
+    from mpfcad.report.page.led_page import ShownFilm
 
 FILM, CROSSED, STACK = "film.3mf", "film-crossed.3mf", "stack.toml"
 #: How far a cell may be from whole grooves [mm].
@@ -101,6 +105,16 @@ def check_films(films: list[PieceLibrary], folder: Path) -> None:
     """
     for film, name in zip(films, (FILM, CROSSED), strict=False):
         kind_of(film, _CAD).check(folder / name)
+
+
+def shown_films(films: list[PieceLibrary], folder: Path) -> "list[ShownFilm]":
+    """Return what a page shows of the written films."""
+    from mpfcad.report.page.led_page import ShownFilm
+
+    return [
+        ShownFilm(kind_of(film, _CAD), folder / name, film.piece(int(film.chosen[0, 0])))
+        for film, name in zip(films, (FILM, CROSSED), strict=False)
+    ]
 
 
 def _crossed_layer(design: LedDesign, stack: Stack) -> str:

@@ -18,6 +18,7 @@ PAGES = {
     "measure": ("measure.html", "measure.json"),
     "compare": ("compare.html", "compare.json"),
     "design": ("design.html", "design.json"),
+    "led-design": ("design.html", "design.json"),
     "sweep": ("sweep.html", "sweep.json"),
 }
 #: How deep below the folder exports are looked for.

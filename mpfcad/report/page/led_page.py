@@ -1,0 +1,80 @@
+"""The page of a design for LEDs: what its films give, their maps and surfaces, what was tried."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from mpfcad.film import PrismFilm
+from mpfcad.report.drawing.angle_figure import cell_figure
+from mpfcad.report.drawing.film.dimension_drawing import draw_dimensions
+from mpfcad.report.drawing.plot import plot
+from mpfcad.report.film.kind import FilmKind
+from mpfcad.report.page.environment import render
+from mpfcad.report.page.number import number, with_interval
+
+Record = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class ShownFilm:
+    """A film of a design, and the file that holds it; `piece` is one groove piece of it."""
+
+    kind: FilmKind
+    file: Path
+    piece: PrismFilm
+
+
+def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> None:
+    """Write the page; the same record and files give the same bytes."""
+    page = render(
+        "led.html.j2",
+        record={**record, "process": None},
+        result=_result(record),
+        light=plot(cell_figure(record["found"]["cell"]), "light"),
+        films=[_film(film, number) for number, film in enumerate(films, 1)],
+        tried=[_tried(one) for one in record["tried"]],
+    )
+    path.write_bytes(page.encode())
+
+
+def _result(record: Record) -> list[tuple[str, str]]:
+    found = record["found"]
+    contrast = found["lamp_mura_contrast"]
+    return [
+        ("lamp-Mura contrast, traced from the files", with_interval(contrast, 4)),
+        ("mean normal luminance [cd/m²]", with_interval(found["mean_luminance_cd_m2"], 0)),
+        ("σ / mean", with_interval(found["sigma_over_mean"], 4)),
+        ("optical distance [mm], the plate over its index counted",
+         number(record["optical_distance_mm"], 4)),
+        ("distance over LED pitch", number(record["height_over_pitch"], 3)),
+        ("paths of that trace", f"{found['paths'] / 1e6:.2f} million"),
+    ]  # fmt: skip
+
+
+def _film(film: ShownFilm, place: int) -> Record:
+    """Return the section of one film; ids within the page are numbered."""
+    kind = film.kind
+    section = dict(kind.film_section(film.piece, film.piece.groove_position, None, None))
+    section["plot"] = replace(section["plot"], name=f"film-{place}")
+    return {
+        "file": film.file.name,
+        "section": section,
+        "rows": [("extent", kind.extent)],
+        "view": plot(kind.view(film.file), f"view-{place}"),
+        "view_words": kind.view_words.replace("film.3mf", film.file.name),
+        "dimensions": draw_dimensions(kind.as_grooves(film.piece), 0),
+        "section_title": kind.section_title,
+    }
+
+
+def _tried(one: Record) -> list[str]:
+    series = one["series_per_mm"]
+    moved = max((abs(c) for row in series for c in row[1:]), default=0.0)
+    pattern = max([moved, *(abs(row[0]) for row in series[1:])])
+    return [
+        f"{series[0][0]:.4g}",
+        f"{pattern:.3g}",
+        with_interval(one["lamp_mura_contrast"], 4),
+        f"{one['paths'] / 1e6:.2f}",
+    ]
