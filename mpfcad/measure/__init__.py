@@ -8,6 +8,7 @@ until their figures are known well enough: `luminance_over_pitch` with the lamp-
 
 from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_luminance
 from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
+from mpfcad.measure.angle.survey import Survey, survey_directions
 from mpfcad.measure.camera import CameraResult, camera_image
 from mpfcad.measure.cell.luminance import CellResult, luminance_over_cell
 from mpfcad.measure.checkpoint import Checkpoints
@@ -42,6 +43,7 @@ __all__ = [
     "LuminanceResult",
     "PanelResult",
     "Spot",
+    "Survey",
     "TraceRun",
     "TraceState",
     "UniformityResult",
@@ -62,5 +64,6 @@ __all__ = [
     "reach",
     "relative_spread",
     "screen_uniformity",
+    "survey_directions",
     "threshold_contrast",
 ]

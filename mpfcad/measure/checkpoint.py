@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
 
 _KIND = "trace"
+Rows = list[tuple[float, ...]]
 
 
 class Checkpoints:
@@ -38,25 +39,29 @@ class Checkpoints:
             for case in self._used:
                 self._store.drop(_KIND, case)
 
-    def read(self, case: str) -> "Tally | None":
-        """Return the tally of a case by its key, or None when there is none that verifies."""
-        tally = self._store.read(_KIND, case, _decoded)
-        if tally is not None:
-            self._used.add(case)
-        return tally
+    def read(self, case: str) -> "tuple[Tally, Rows] | None":
+        """Return tally and earlier rounds of a case by its key; None where none verifies.
 
-    def write(self, case: str, tally: "Tally") -> None:
-        """Keep the tally of a case's blocks so far."""
+        Of each round its paths, and a figure with its interval (`rounds.Trail`).
+        """
+        found = self._store.read(_KIND, case, _decoded)
+        if found is not None:
+            self._used.add(case)
+        return found
+
+    def write(self, case: str, tally: "Tally", rounds: Rows) -> None:
+        """Keep the tally of a case's blocks so far, and what its earlier rounds gave."""
         self._used.add(case)
         content = io.BytesIO()
-        np.savez(content, **tally._asdict())
+        np.savez(content, **tally._asdict(), rounds=np.array(rounds, float).reshape(-1, 4))
         self._store.write(_KIND, case, content.getvalue())
 
 
-def _decoded(content: bytes) -> "Tally":
+def _decoded(content: bytes) -> "tuple[Tally, Rows]":
     from mpfcad.optics.base.recorder import Tally
 
     with np.load(io.BytesIO(content), allow_pickle=False) as stored:
         values = dict(stored)
     paths, blocks = int(values.pop("paths")), int(values.pop("blocks"))
-    return Tally(**values, paths=paths, blocks=blocks)
+    rounds = [tuple(row) for row in values.pop("rounds").tolist()]
+    return Tally(**values, paths=paths, blocks=blocks), rounds

@@ -11,7 +11,7 @@ from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
-from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
+from mpfcad.measure.rounds import Lit, TraceRun, Trail, trace_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
@@ -54,6 +54,8 @@ class LuminanceResult:
         backward paths traced
     accelerator
         how the meshes were traced: one of `tile.ACCELERATORS`, or each way that was taken
+    convergence
+        (r, 4) float64, after each round: paths, contrast and the ends of its 95 % interval
     """
 
     position_pitch: NDArray[np.float64]
@@ -70,6 +72,7 @@ class LuminanceResult:
     energy: dict[str, object]
     paths: int
     accelerator: str
+    convergence: NDArray[np.float64]
 
     @property
     def central_curve(self) -> NDArray[np.float64]:
@@ -107,12 +110,17 @@ def luminance_over_pitch(
     def read(tally: "Tally") -> tuple[CurveFit, Estimate]:
         refuse_dark(stack.name, position, tally.radiance)
         found = tally.radiance, tally.radiance_error, tally.blocks
-        curve = fit_curve(position, *found, periodic=not lit.is_finite)
-        return curve, contrast_of_curve(curve, run.seed)
+        if tally.blocks not in known:
+            curve = fit_curve(position, *found, periodic=not lit.is_finite)
+            known[tally.blocks] = curve, contrast_of_curve(curve, run.seed)
+        return known[tally.blocks]
 
+    known: dict[int, tuple[CurveFit, Estimate]] = {}
+    trail = Trail(lambda tally: _ends(read(tally)[1]))
     tally = trace_rounds(
-        lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE
-    )
+        lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE,
+        trail=trail,
+    )  # fmt: skip
     curve, contrast = read(tally)
     start = int(np.argmin(np.abs(position)))
     central = slice(start, start + POINTS)
@@ -133,7 +141,12 @@ def luminance_over_pitch(
         _energy(lit.scene, lit.elements, run.seed, run.threads),
         tally.total_paths,
         lit.accelerator,
+        np.array(trail.rows),
     )
+
+
+def _ends(estimate: Estimate) -> tuple[float, float, float]:
+    return estimate.value, estimate.low, estimate.high
 
 
 def _energy(

@@ -25,6 +25,27 @@ _LEAST_PATHS = 270_000
 LOST_LIMIT = 1e-6
 
 
+@dataclass(eq=False)
+class Trail:
+    """What a figure was after each round, so that a reader sees how it settled.
+
+    Attributes
+    ----------
+    figure
+        value and ends of its interval of a tally
+    rows
+        (paths, value, low, high) after each round
+    """
+
+    figure: "Callable[[Tally], tuple[float, float, float]]"
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+
+    def note(self, tally: "Tally") -> None:
+        """Add the figure of a round that is not noted yet."""
+        if not self.rows or self.rows[-1][0] < tally.total_paths:
+            self.rows.append((float(tally.total_paths), *self.figure(tally)))
+
+
 class TraceState(NamedTuple):
     """How far a trace is.
 
@@ -151,8 +172,11 @@ def trace_rounds(
     figure: str,
     *,
     least_blocks: int = 2,
+    trail: Trail | None = None,
 ) -> "Tally":
     """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
+
+    `trail` gets a figure's value after each round, those before an interruption among them.
 
     Rounds grow with what is done, so that few errors are computed and little is overshot; which
     they are depends on nothing but the number of points.
@@ -171,11 +195,13 @@ def trace_rounds(
         "trace", {**lit.case, "source": source, "seed": run.seed, "goal": goal, "limit": limit}
     )
     empty = Tally.empty(points, len(FLOWS) + len(lit.elements))
-    tally = run.checkpoints.read(case) or empty
+    trail = trail or Trail(lambda tally: (error, error, error))
+    tally, trail.rows[:] = run.checkpoints.read(case) or (empty, [])
     error, start = float("nan"), tally.total_paths
     while True:
         if tally.blocks:
             error = error_of(tally)
+            trail.note(tally)
             if error <= goal or tally.total_paths >= limit:
                 break
         more = max(-(-_LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
@@ -187,7 +213,7 @@ def trace_rounds(
             lit.scene, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
             after_block=watch.block if run.progress else None,
         )  # fmt: skip
-        run.checkpoints.write(case, tally)
+        run.checkpoints.write(case, tally, trail.rows)
     if run.progress:
         paths = tally.total_paths
         run.progress(TraceState(paths, paths, error, goal, figure, start))

@@ -12,7 +12,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.gate import Gate, worst_outcome, yes_no
 from mpfcad.mask import MaskCheck
 from mpfcad.mask.screen.printing import Printing
-from mpfcad.measure import Estimate, LuminanceResult
+from mpfcad.measure import Estimate, LuminanceResult, Survey
 from mpfcad.measure.rounds import LOST_LIMIT
 from mpfcad.record.file import (
     ResinCheck,
@@ -23,6 +23,7 @@ from mpfcad.record.file import (
     describe_step,
 )
 from mpfcad.record.printing import PrintLimits, mask_gates, print_gates, printability
+from mpfcad.record.survey import describe_survey
 from mpfcad.record.verdict import in_order
 
 SCHEMA = 1
@@ -136,6 +137,8 @@ def build_verification(
     eye: dict[str, Any] | None,
     confidence: dict[str, Any] | None = None,
     printed: dict[str, Any] | None = None,
+    survey: Survey | None = None,
+    facets: list[dict[str, Any]] | None = None,
     inputs: list[dict[str, Any]],
     process: dict[str, Any] | None,
     curvature: dict[str, Any] | None,
@@ -150,6 +153,8 @@ def build_verification(
         "printability": printability(checks.printing, gates),
         "gates": [gate.document() for gate in gates],
         **describe_luminance(luminance),
+        "directions": None if survey is None else describe_survey(survey),
+        "facets": facets,
         "eye": eye,
         "plain": describe_luminance(plain),
         "baseline": {
@@ -191,6 +196,7 @@ TRACE_KEYS = (
     "mean_luminance_cd_m2",
     "energy",
     "paths",
+    "convergence",
     "accelerator",
 )
 
@@ -222,6 +228,11 @@ def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
         "mean_luminance_cd_m2": _estimate(result.mean_luminance),
         "energy": _plain(result.energy),
         "paths": int(result.paths),
+        "convergence": {
+            "paths": [int(row[0]) for row in result.convergence],
+            "contrast": _numbers(result.convergence[:, 1]),
+            "ci95": [_numbers(row[2:]) for row in result.convergence],
+        },
         "accelerator": result.accelerator,
     }
 

@@ -9,6 +9,7 @@ import re
 import warnings
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from browser import here
 from pypdf import PdfReader
@@ -18,6 +19,10 @@ from mpfcad.job import read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job
 from mpfcad.report.browser import write_pdf
 
+PLOTS = (
+    "luminance", "film", "levelling", "grooves", "directions", "cuts", "paths", "facets", "energy",
+    "response",
+)  # fmt: skip
 #: Phone to 4K.
 WIDTHS = (390, 768, 1200, 1920, 3840)
 A4, LETTER = (8.27, 11.69), (8.5, 11.0)
@@ -66,7 +71,9 @@ def export(tmp_path_factory):
     )
     out = folder / "out"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(half_width_goal=1.0, path_limit=20_000))
+        patch.setitem(
+            TRACE_SETTINGS, "quick", TraceSetting(half_width_goal=1.0, path_limit=660_000)
+        )
         run_job(read_job(job), job, out, effort="quick", threads=1)
     return out
 
@@ -103,7 +110,8 @@ def page(browser, export):
 def test_every_plot_is_drawn_when_all_is_unfolded(page):
     page.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
     page.wait("[...document.querySelectorAll('.plot')].every(p => p.querySelector('svg, canvas'))")
-    assert page.run("document.querySelectorAll('.plot').length") == 4
+    found = page.run("[...document.querySelectorAll('.plot')].map(p => p.id.slice(5)).sort()")
+    assert found == sorted(PLOTS)
     assert page.errors == []
 
 
@@ -132,6 +140,102 @@ def test_figures_are_those_of_the_record(page, export):
     assert shown[1:] == [gate["outcome"] for gate in record["gates"]]
     drawn = page.run("document.querySelector('#plot-luminance').data[2].y.length")
     assert drawn == len(record["luminance"]["position_pitch"])
+
+
+def drawn(page, name, number, axis="y"):
+    """Return the numbers of a plot's trace."""
+    return page.run(f"[...document.querySelector('#plot-{name}').data[{number}].{axis}]")
+
+
+def test_plots_hold_the_numbers_of_the_record(page, export):
+    record = json.loads((export / "verification.json").read_text())
+    rounds = record["convergence"]
+    assert drawn(page, "paths", 1) == pytest.approx(rounds["contrast"], abs=1e-6)
+    assert rounds["contrast"][-1] == record["lamp_mura_contrast"]["value"]
+    cut = record["directions"]["cut"]
+    for number, plane in enumerate(("across", "along")):
+        assert drawn(page, "cuts", number, "x") == cut[plane]["angle_deg"]
+        assert drawn(page, "cuts", number) == pytest.approx(cut[plane]["luminance_cd_m2"], abs=0.01)
+    middle = page.run("document.querySelector('#plot-directions').data[0].z[80][80]")
+    assert middle == pytest.approx(record["directions"]["map"]["luminance_cd_m2"][0][0], abs=0.06)
+    assert drawn(page, "film", 0) == pytest.approx(record["mask"]["curvature"]["wanted_per_mm"])
+    ratio = record["mask"]["files"]["mask.oas"]["aperture_ratio_max"]
+    assert max(drawn(page, "film", 4)) == pytest.approx(100 * ratio, abs=1e-3)
+    facets = [row["facets_per_groove"] for row in record["facets"]]
+    assert drawn(page, "facets", 0, "x") == pytest.approx(facets, abs=0.01)
+
+
+#: Share of the mask's pixels that is open, over the panel, as the viewer of the page draws it.
+OPEN_SHARE = """
+(() => {
+  const canvas = document.querySelector('.zoom canvas'), {width, height} = canvas;
+  const pixels = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+  let open = 0, count = 0;
+  for (let j = Math.round(0.2 * height); j < 0.7 * height; j++)
+    for (let i = Math.round(0.45 * width); i < 0.55 * width; i++, count++)
+      open += (255 - pixels[4 * (j * width + i)]) / 244;
+  return open / count;
+})()
+"""
+
+
+def test_the_mask_is_drawn_from_panel_to_aperture(page, export):
+    record = json.loads((export / "verification.json").read_text())
+    page.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    words = "document.querySelector('.zoom output').textContent"
+    page.wait(f"{words}.startsWith('Shown')")
+    whole = page.run(words)
+    ratio = record["mask"]["files"]["mask.oas"]["aperture_ratio_max"]
+    # A pixel holds 8 bits of it.
+    assert page.run(OPEN_SHARE) == pytest.approx(ratio, abs=0.004)
+    page.run("document.querySelector('.zoom button[name=aperture]').click()")
+    page.wait(f"{words} !== {json.dumps(whole)}")
+    near = page.run(words)
+    across, along = (float(found) for found in re.findall(r"([\d.]+) µm", near))
+    assert min(across, along) == pytest.approx(100.0, rel=1e-3)  # twice a slot as wide as a groove
+    assert page.run(OPEN_SHARE) > 0.2
+    page.run(
+        "document.querySelector('.zoom canvas').dispatchEvent("
+        "new KeyboardEvent('keydown', {key: '0', cancelable: true}))"
+    )
+    page.wait(f"{words} === {json.dumps(whole)}")
+    assert page.errors == []
+
+
+def test_a_slider_gives_the_curve_of_the_traced_effect(page, export):
+    record = json.loads((export / "verification.json").read_text())
+    one = record["printed"]["inputs"][0]
+    page.run(
+        "(slider => { slider.value = 1; slider.dispatchEvent(new Event('input')); })"
+        "(document.querySelector('.sliders input'))"
+    )
+    u = np.linspace(0, 1, 129)
+    curve = np.interp(u, np.linspace(0, 1, 33), record["curve"]["luminance_cd_m2"])
+    curve /= curve[:-1].mean()
+    for values in (one["effect_of_sigma"], one["second_order"]):
+        for h in range(len(values) // 2):
+            angle = 2 * np.pi * (h + 1) * u
+            curve += values[2 * h] * np.cos(angle) + values[2 * h + 1] * np.sin(angle)
+    contrast = (curve.max() - curve.min()) / (curve.max() + curve.min())
+    assert f"{contrast:.4f} as set" in page.run(
+        "document.querySelector('.sliders output').innerText"
+    )
+    page.run("document.querySelector('.sliders button').click()")
+    assert page.run("document.querySelector('.sliders input').value") == "0"
+
+
+def test_parts_have_names_and_places(page):
+    """Landmark, ids that are one only, and words for everything that takes the keyboard."""
+    assert page.run("document.querySelectorAll('main').length") == 1
+    assert page.run("(all => all.length - new Set(all).size)([...document.querySelectorAll('[id]')]"
+                    ".filter(e => !e.closest('.plot, svg')).map(e => e.id))") == 0  # fmt: skip
+    nameless = """
+    [...document.querySelectorAll('button, input, canvas, a, summary')].filter(e =>
+      !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim()))
+      .map(e => e.outerHTML)
+    """
+    assert page.run(nameless) == []
+    assert page.run("[...document.querySelectorAll('[tabindex]')].every(e => e.tabIndex === 0)")
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -100,7 +100,8 @@ def _panel(ratio: NDArray[np.float64], aspect: float) -> "Image.Image":
 
 
 def _shade(ratio: NDArray[np.float64], low: float, high: float) -> NDArray[np.uint8]:
-    share = (ratio - low) / max(high - low, 1e-9)
+    # A uniform mask has one shade, whatever the last bit of its ratio.
+    share = np.clip((ratio - low) / max(high - low, 1e-6), 0.0, 1.0)
     return np.rint(LOW + (HIGH - LOW) * share[..., None]).astype(np.uint8)
 
 

@@ -97,7 +97,7 @@ def _describe(
                 "sigma": factors[i].sigma,
                 "source": factors[i].source,
                 "share_of_variance": float(share[i]),
-                "effect_of_sigma": [float(v) for v in response.slope[i]],
+                **describe_effect(factors[i], response, i),
                 "standard_error": [
                     float(v) for v in np.sqrt(np.diag(response.slope_covariance[i]))
                 ],
@@ -108,6 +108,20 @@ def _describe(
         "left_out": left_out,
         "paths": paths,
         "draws": len(steps),
+    }
+
+
+def describe_effect(factor: Factor, response: Response, number: int) -> dict[str, Any]:
+    """Return an input's ends, and what one sigma of it does to the curve, fit for JSON."""
+    low, high = (
+        float(end) if np.isfinite(end) else None for end in (factor.low, factor.high)
+    )
+    bend = response.bend[number]
+    return {
+        "low": low,
+        "high": high,
+        "effect_of_sigma": [float(v) for v in response.slope[number]],
+        "second_order": [float(v) for v in bend] if bend.any() else [],
     }
 
 

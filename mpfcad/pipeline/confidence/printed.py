@@ -12,7 +12,7 @@ import numpy as np
 
 from mpfcad.confidence import draw_steps, likely_contrast
 from mpfcad.measure import LuminanceResult
-from mpfcad.pipeline.confidence.find import describe_estimate, variants_of
+from mpfcad.pipeline.confidence.find import describe_effect, describe_estimate, variants_of
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
@@ -51,6 +51,15 @@ def find_printed(
             for name, one in likely.items()
         },
         "contrast": describe_estimate(likely["marginal"].contrast),
-        "inputs": [{"name": f.name, "sigma": f.sigma, "source": f.source} for f in factors],
+        "inputs": [
+            {
+                "name": factor.name,
+                "value": factor.value,
+                "sigma": factor.sigma,
+                "source": factor.source,
+                **describe_effect(factor, response, number),
+            }
+            for number, factor in enumerate(factors)
+        ],
         "paths": runs.paths,
     }

@@ -23,9 +23,11 @@ from mpfcad.measure import (
     Checkpoints,
     Lit,
     LuminanceResult,
+    Survey,
     TraceRun,
     light_film,
     luminance_over_pitch,
+    survey_directions,
 )
 from mpfcad.pipeline.confidence.find import find_confidence
 from mpfcad.pipeline.confidence.printed import find_printed
@@ -34,6 +36,7 @@ from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.run.facet import facet_convergence
 from mpfcad.pipeline.run.file_check import examine_files, examine_foreign
 from mpfcad.pipeline.run.plain import trace_plain
 from mpfcad.record import ResinCheck
@@ -78,6 +81,10 @@ class Findings:
     printed
         the same over what the process does not know of its print; None where that is not known,
         and where the confidence holds it already
+    survey
+        of this film's luminance over direction; None where the path limit has no room for it
+    facets
+        how a few grooves' mesh closes in on the film, in outside names; None of a film in one piece
     """
 
     mask: dict[str, MaskCheck]
@@ -95,6 +102,8 @@ class Findings:
     printing: Printing | None = None
     confidence: dict[str, Any] | None = None
     printed: dict[str, Any] | None = None
+    survey: Survey | None = None
+    facets: list[dict[str, Any]] | None = None
 
 
 def examine(
@@ -118,13 +127,15 @@ def examine(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
         progress.trace, judged=True,
     )  # fmt: skip
-    luminance = None
+    luminance = survey = None
     if found.mesh is not None:
         progress.stage("tracing film.stl")
         lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
         if lit.spot.is_rounded:
             progress.note(lit.spot.note)
         luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+        progress.stage("tracing film.stl over directions")
+        survey = survey_directions(lit, run)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)
     baseline = plain
@@ -150,6 +161,7 @@ def examine(
         found.mask, found.step, found.mesh, found.agreement, found.gates, difference, resin,
         before, wanted, luminance, plain, baseline, printing,
         confidence, printed,
+        survey, None if found.mesh is None else facet_convergence(plan),
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from mpfcad.export import sha256
 from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
+from mpfcad.mask.screen.levelled import LevelledWindow, levelled_window
 from mpfcad.measure import describe_eye
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.kind import kind_of
@@ -28,7 +29,15 @@ DEFAULT_SOURCES = {
     "film": ("sourced", "Hsieh, MPF thesis: BEF of 25 µm × 50 µm, index-matched resin"),
     "mask": ("assumed", "default: usual screen-printing limits"),
     "cad": ("assumed", "default"),
-    "gates": ("sourced", "Hsieh, MPF thesis: conventional stack 0.012, acceptance limit 0.018"),
+    "gates": ("assumed", "default: what usually prints (docs/process.md)"),
+}
+#: Defaults that come from somewhere else than the rest of their table.
+OWN_SOURCES = {
+    ("gates", name): ("sourced", f"Hsieh, MPF thesis: {words}")
+    for name, words in (
+        ("contrast_pass", "the conventional stack's own contrast"),
+        ("contrast_marginal", "acceptance limit"),
+    )
 }
 
 
@@ -80,6 +89,8 @@ def build_record(
         ),
         confidence=findings.confidence,
         printed=findings.printed,
+        survey=findings.survey,
+        facets=findings.facets,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),
@@ -138,7 +149,20 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         lamp_position=plan.lamp_position,
         mask_period=plan.job.mask.period if mask is None else mask.period,
         aperture_ratio=None if check is None else check.aperture_ratio[piece],
+        levelled=_level(folder, plan, mask, findings),
     )
+
+
+def _level(
+    folder: Path, plan: Plan, mask: Mask | None, findings: Findings
+) -> LevelledWindow | None:
+    """Return grooves about the one that ripples most, read from the first mask file."""
+    if mask is None or plan.process is None or findings.printing is None or not findings.mask:
+        return None
+    return levelled_window(
+        folder / next(iter(findings.mask)), plan.process, mask.pitch, mask.period,
+        findings.printing.levelling_length, findings.printing.ripple_groove,
+    )  # fmt: skip
 
 
 def file_hashes(folder: Path) -> dict[str, str]:
@@ -176,7 +200,7 @@ def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
 
 def _origin(model: Any, table: str, key: str, stated: set[str]) -> dict[str, str]:
     """Return tag and source of a value: stated, default, or of a groove from two others."""
-    tag, source = DEFAULT_SOURCES[table]
+    tag, source = OWN_SOURCES.get((table, key), DEFAULT_SOURCES[table])
     if key in stated:
         return {"tag": "given", "source": "the job"}
     if table == "film" and key == model.derived_field and stated & set(FilmTable.GROOVE):

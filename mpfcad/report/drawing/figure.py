@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 FILM_COLOUR, BASE_COLOUR, THIRD_COLOUR = "#0b5fa5", "#8a6d3b", "#3f7f4f"
+FOURTH_COLOUR, FIFTH_COLOUR = "#c03a6b", "#7a4d9f"
 FILM_BAND, BASE_BAND = "rgba(11,95,165,0.18)", "rgba(138,109,59,0.18)"
 THIRD_BAND = "rgba(63,127,79,0.14)"
 #: Colours of each traced film: its line and its 95 % band.
@@ -67,41 +68,38 @@ def film_figure(
     aperture: ArrayLike | None,
     recovered: ArrayLike | None,
 ) -> "go.Figure":
-    """Return curvature [1/mm], fill and aperture ratio over the position [mm], one over another."""
-    from plotly.subplots import make_subplots
+    """Return curvature [1/mm], fill and aperture ratio [%] over the position [mm], on one axis."""
+    import plotly.graph_objects as go
 
-    titles = ["curvature C [1/mm]", "fill fraction [%]", "aperture ratio from the mask [%]"]
-    rows = 2 if aperture is None else 3
-    figure = make_subplots(rows=1, cols=rows, horizontal_spacing=0.07, subplot_titles=titles[:rows])
+    figure = go.Figure()
     curves = [
-        ("C through the tips", curvature, 1, FILM_COLOUR, 1),
-        ("least-squares fit (profiler)", fitted, 1, BASE_COLOUR, 1),
-        ("fill", fill, 100, THIRD_COLOUR, 2),
-        ("aperture", aperture, 100, FILM_COLOUR, 3),
+        ("C through the tips", curvature, line(FILM_COLOUR, 2)),
+        ("C, least-squares fit (profiler)", fitted, line(BASE_COLOUR, 1.5)),
+        ("C from the mask file", recovered, line(FOURTH_COLOUR, 2, "dot")),
     ]
-    for name, values, factor, colour, column in curves[: rows + 1]:
-        figure.add_scatter(
-            x=rounded(position, 4),
-            y=rounded(np.asarray(values) * factor, 5),
-            name=name,
-            line=line(colour, 2),
-            showlegend=column == 1,
-            row=1,
-            col=column,
-        )
-    if recovered is not None:
-        figure.add_scatter(
-            x=rounded(position, 4),
-            y=rounded(recovered, 5),
-            name="C recovered from the mask file",
-            line=line(THIRD_COLOUR, 2, "dot"),
-            row=1,
-            col=1,
-        )
+    shares = [
+        ("fill (right)", fill, line(THIRD_COLOUR, 2, "dash")),
+        ("aperture ratio (right)", aperture, line(FIFTH_COLOUR, 2, "dashdot")),
+    ]
+    x = rounded(position, 4)
+    for name, values, dress in curves:
+        if values is not None and len(np.asarray(values)):
+            figure.add_scatter(x=x, y=rounded(values, 5), name=name, line=dress)
+    drawn = [one for one in shares if one[1] is not None and len(np.asarray(one[1]))]
+    for name, values, dress in drawn:
+        percent = rounded(np.asarray(values) * 100, 4)
+        figure.add_scatter(x=x, y=percent, name=name, line=dress, yaxis="y2")
+    styled(figure, 400)
     figure.update_xaxes(title_text="from the lamp's axis [mm]")
-    for column in range(2, rows + 1):
-        figure.update_yaxes(rangemode="tozero", row=1, col=column)
-    return styled(figure, 330)
+    figure.update_yaxes(title_text="curvature C [1/mm]")
+    if drawn:
+        figure.update_layout(
+            yaxis2={"title": {"text": "share [%]"}, "overlaying": "y", "side": "right",
+                    "rangemode": "tozero", "showgrid": False, "zeroline": False,
+                    "tickmode": "auto"},
+            margin={"r": 60},
+        )  # fmt: skip
+    return figure
 
 
 def fitted_curve(found: dict[str, Any], position: np.ndarray) -> np.ndarray:

@@ -61,4 +61,7 @@ def _bars(inputs: list[Record]) -> "go.Figure":
         )
     )
     figure.update_xaxes(title_text="share of the curve's variance [%]")
-    return styled(figure, 60 + 24 * len(shown))
+    styled(figure, 110 + 24 * len(shown))
+    figure.update_yaxes(automargin=True)
+    figure.update_layout(hovermode="closest", margin={"t": 10, "b": 50})
+    return figure

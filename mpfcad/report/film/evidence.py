@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.film import PrismFilm
+from mpfcad.mask.screen.levelled import LevelledWindow
 from mpfcad.report.film.kind import FilmKind
 
 
@@ -34,6 +35,8 @@ class Evidence:
         period of the apertures along the grooves [mm]
     aperture_ratio
         (n,) float64 of the piece's grooves, read back from the mask; None without a mask
+    levelled
+        a few grooves before and after the resin levels; None where there is nothing to draw
     """
 
     folder: Path
@@ -45,6 +48,7 @@ class Evidence:
     lamp_position: float
     mask_period: float
     aperture_ratio: NDArray[np.float64] | None
+    levelled: LevelledWindow | None = None
 
     @property
     def shown_groove(self) -> dict[str, int]:

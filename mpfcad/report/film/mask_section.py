@@ -3,7 +3,10 @@
 from base64 import b64encode
 from typing import Any
 
+from mpfcad.report.drawing.film.levelling_figure import levelling_figure
 from mpfcad.report.drawing.film.mask_drawing import draw_mask
+from mpfcad.report.drawing.film.mask_zoom import mask_zoom
+from mpfcad.report.drawing.plot import plot
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.page.number import number
 
@@ -40,7 +43,7 @@ def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
         ]
         for label, key, digits in _LINES
     ]
-    drawing = None
+    drawing, levelled = None, evidence.levelled
     if names[0].endswith((".oas", ".gds")):
         shown = evidence.shown_groove.items()
         windows = {title: evidence.first_groove + groove for title, groove in shown}
@@ -52,7 +55,9 @@ def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
         "stated": files[names[0]]["text"][1],
         "picture": b64encode((evidence.folder / "mask.png").read_bytes()).decode("ascii"),
         "drawing": drawing,
+        "zoom": mask_zoom(evidence.folder / names[0], evidence.panel.groove.pitch),
         "printing": _printing_rows(record.get("printing")),
+        "levelled": levelled and plot(levelling_figure(levelled), "levelling"),
     }
 
 

@@ -8,7 +8,14 @@ from mpfcad.report.film.confidence_section import confidence_values
 from mpfcad.report.film.decision import decision_values
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.mask_section import mask_values
-from mpfcad.report.film.section import chain_values, input_values, luminance_values
+from mpfcad.report.film.section import (
+    chain_values,
+    convergence_values,
+    direction_values,
+    input_values,
+    luminance_values,
+)
+from mpfcad.report.film.slider_section import slider_values
 from mpfcad.report.film.wording import gate_values
 from mpfcad.report.page.environment import render
 
@@ -19,7 +26,7 @@ SECTIONS = (
     ("Curvature, fill, aperture", "film"),
     ("Mask", "mask"),
     ("CAD files", "cad"),
-    ("Light: traces and energy", "luminance"),
+    ("Light: directions, traces, energy", "luminance"),
     ("Confidence in the real backlight", "confidence"),
     ("Traceability", "traceability"),
 )
@@ -44,12 +51,15 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         gates=[gate_values(gate) for gate in record["gates"]],
         chain=chain_values(record),
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
-        input=input_values(evidence),
+        input=input_values(record, evidence),
         film=evidence.kind.film_section(
             evidence.piece, evidence.position, evidence.aperture_ratio, recovered
         ),
         mask=mask_values(record, evidence),
         cad=cad_values(record, evidence),
         luminance=luminance_values(record),
+        directions=direction_values(record, evidence),
+        convergence=convergence_values(record),
         confidence=confidence_values(record),
+        sliders=slider_values(record),
     )

@@ -3,22 +3,25 @@
 from typing import Any
 
 from mpfcad.record.traced import traced_films
+from mpfcad.report.drawing.angle_figure import angular_figure, conoscope_figure
+from mpfcad.report.drawing.convergence_figure import facets_figure, paths_figure
 from mpfcad.report.drawing.energy_figure import energy_figure
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.film.evidence import Evidence
+from mpfcad.report.film.influence import assumed_rows
 from mpfcad.report.page.number import number
 
 Record = dict[str, Any]
 
 
-def input_values(evidence: Evidence) -> dict[str, Any]:
-    """Return the drawing of the stack."""
-    return {"drawing": draw_stack(evidence.stack)}
+def input_values(record: Record, evidence: Evidence) -> dict[str, Any]:
+    """Return the drawing of the stack, and what each assumed input would change."""
+    return {"drawing": draw_stack(evidence.stack), "rows": assumed_rows(record, evidence.stack)}
 
 
 def chain_values(record: Record) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Return the steps from the job to the trace, each with (file, its SHA-256)."""
+    """Return the steps from the job to this page, each with (file, its SHA-256)."""
     provenance = record["provenance"]
     made, traced = provenance["sha256"], provenance["traced"]
 
@@ -33,6 +36,34 @@ def chain_values(record: Record) -> list[tuple[str, list[tuple[str, str]]]]:
         ("traced", [(traced["file"], traced["sha256"])]),
     ]
     return [(step, found) for step, found in steps if found]
+
+
+def direction_values(record: Record, evidence: Evidence) -> Record | None:
+    """Return the polar map and the cuts; None where none were traced."""
+    found = record.get("directions")
+    if not found:
+        return None
+    level = evidence.stack.panel_length >= evidence.stack.panel_width
+    axes = ("vertical", "horizontal") if level else ("horizontal", "vertical")
+    error = max(max(row) for row in found["map"]["standard_error_cd_m2"])
+    return {
+        "map": plot(conoscope_figure(found["map"], level), "directions"),
+        "cuts": plot(
+            angular_figure(found["cut"], dict(zip(("across", "along"), axes, strict=True))), "cuts"
+        ),
+        "paths": found["paths"],
+        "largest_error": f"{error:.0f}",
+    }
+
+
+def convergence_values(record: Record) -> Record:
+    """Return how the contrast settled over the paths, and the mesh over its facets."""
+    rows = record.get("facets")
+    own = record["job"]["resolved"]["cad"]["angle_tolerance_deg"]
+    return {
+        "paths": plot(paths_figure(record), "paths") if record.get("convergence") else None,
+        "facets": plot(facets_figure(rows, own), "facets") if rows else None,
+    }
 
 
 def luminance_values(record: Record) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from mpfcad.report.page.number import formula, number, with_error, with_interval
+from mpfcad.report.page.number import formula, number, value_words, with_error, with_interval
 
 
 def render(template: str, /, **values: Any) -> str:
@@ -46,6 +46,7 @@ def _environment() -> Environment:
     made.filters |= {
         "formula": formula,
         "number": number,
+        "value_words": value_words,
         "with_error": with_error,
         "with_interval": with_interval,
     }

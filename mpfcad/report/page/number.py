@@ -26,6 +26,23 @@ def number(value: Any, digits: int = 4) -> Markup:
     return Markup(f"{mantissa} · 10<sup>{int(exponent)}</sup>".replace("-", "−"))
 
 
+def value_words(value: Any, digits: int = 6) -> str:
+    """Return an input's value as text: tables and lists without marks, yes and no.
+
+    >>> value_words({"name": "150-31", "release": None, "angle_deg": 22.5})
+    'name 150-31, angle_deg 22.5'
+    """
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, dict):
+        return ", ".join(f"{k} {value_words(v)}" for k, v in value.items() if v is not None)
+    if isinstance(value, list):
+        return ", ".join(value_words(one) for one in value)
+    if isinstance(value, float):
+        return f"{value:.{digits}g}"
+    return str(value) or "none"
+
+
 def with_interval(estimate: dict[str, Any], decimals: int) -> str:
     """Return `value [low, high]` with so many decimals."""
     low, high = estimate["ci95"]
