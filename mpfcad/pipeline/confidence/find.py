@@ -113,9 +113,7 @@ def _describe(
 
 def describe_effect(factor: Factor, response: Response, number: int) -> dict[str, Any]:
     """Return an input's ends, and what one sigma of it does to the curve, fit for JSON."""
-    low, high = (
-        float(end) if np.isfinite(end) else None for end in (factor.low, factor.high)
-    )
+    low, high = (float(end) if np.isfinite(end) else None for end in (factor.low, factor.high))
     bend = response.bend[number]
     return {
         "low": low,
