@@ -73,14 +73,14 @@ def levelled_window(
     total = round((right - left) * GRID / pitch)
     count = min(GROOVES, total)
     first = min(max(groove - count // 2, 0), total - count)
-    edge = start + np.arange(points + 1) * step
+    edge = np.asarray(start + np.arange(points + 1) * step, np.float64)
     printed = np.stack([_open_share(found, (first + n) * pitch, pitch, edge) for n in range(count)])
 
     levelled = gaussian_filter1d(printed, sigma, axis=1, truncate=_REACH)[:, margin:-margin]
     curvature = process.curvature(np.clip(levelled, 0.0, 1.0))
     return LevelledWindow(
         first,
-        (np.arange(PERIODS * POINTS) + 0.5) * step,
+        np.asarray((np.arange(PERIODS * POINTS) + 0.5) * step, np.float64),
         printed[:, margin:-margin],
         curvature - curvature.mean(axis=1, keepdims=True),
     )

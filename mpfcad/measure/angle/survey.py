@@ -71,9 +71,9 @@ def survey_directions(lit: Lit, run: TraceRun) -> Survey | None:
 def _directions() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the normal, the map's directions, and on four half planes those between its rings."""
     rings, between = POLAR[1:], (POLAR[1:] + POLAR[:-1]) / 2
-    polar = [[0.0], np.repeat(rings, len(AZIMUTH)), np.tile(between, 4)]
+    polar = [np.zeros(1), np.repeat(rings, len(AZIMUTH)), np.tile(between, 4)]
     quarter = np.arange(4) * np.pi / 2
-    azimuth = [[0.0], np.tile(AZIMUTH, len(rings)), np.repeat(quarter, len(between))]
+    azimuth = [np.zeros(1), np.tile(AZIMUTH, len(rings)), np.repeat(quarter, len(between))]
     return np.concatenate(polar), np.concatenate(azimuth)
 
 
