@@ -234,7 +234,8 @@ def test_parts_have_names_and_places(page):
                     ".filter(e => !e.closest('.plot, svg')).map(e => e.id))") == 0  # fmt: skip
     nameless = """
     [...document.querySelectorAll('button, input, canvas, a, summary')].filter(e =>
-      !e.closest('.plot') && !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim()))
+      !e.closest('.plot') && !(e.ariaLabel || e.textContent.trim()
+        || e.labels?.[0]?.textContent.trim()))
       .map(e => e.outerHTML)
     """
     assert page.run(nameless) == []
