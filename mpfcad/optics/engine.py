@@ -38,9 +38,10 @@ from mpfcad.optics.film.passage import (
     into_film,
     out_of_film,
 )
+from mpfcad.optics.film.section_lanes import section_passages
 from mpfcad.optics.passage import pass_element
 from mpfcad.optics.scene import Scene, build_scene
-from mpfcad.optics.search.tile import CHAIN, GRID
+from mpfcad.optics.search.tile import BVH, GRID, SECTION
 from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
@@ -91,7 +92,7 @@ def pass_queue(scene, e, rays, wave, flow):
         # Resin that scatters and films that absorb are followed ray by ray.
         film = scene.parameter[e]
         clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0
-        if tile.accelerator in (CHAIN, GRID) and clear:
+        if tile.accelerator != BVH and clear:
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
     elif scene.kind[e] == CAVITY:
@@ -126,6 +127,11 @@ def _pass_film(tile, film, rays, wave):
             wave.upward[slot] = 1 if up else 0
     if tile.accelerator == GRID:
         grid_passages(
+            tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
+            rays, wave.place, wave.upward, wave.way, wave.rng,
+        )  # fmt: skip
+    elif tile.accelerator == SECTION:
+        section_passages(
             tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
             rays, wave.place, wave.upward, wave.way, wave.rng,
         )  # fmt: skip

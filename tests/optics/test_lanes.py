@@ -5,12 +5,14 @@ import pytest
 from harness import (
     BARE,
     CONCAVE,
+    SECTIONS,
     compiled,
     crossed_mesh,
     dish_mesh,
     film_mesh,
     groove,
     pass_film,
+    section_mesh,
     single_paths,
 )
 from numba import njit
@@ -21,6 +23,7 @@ from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, start_path
 from mpfcad.optics.element import Film
 from mpfcad.optics.film.chain_lanes import PLACE_SIZE, film_passages
+from mpfcad.optics.film.section_lanes import section_passages
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.search.bvh.build import build_bvh
 from mpfcad.optics.search.bvh.walk import closest_facets
@@ -72,24 +75,29 @@ def _starts(rng, seed):
         start_path(rng[i], np.uint64(seed), np.uint64(8), np.uint64(i))
 
 
-@pytest.mark.parametrize("up", [True, False])
-@pytest.mark.parametrize("count", [1, 7, 5000])
-def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up, count):
-    mesh = film_mesh(tmp_path, [BARE, CONCAVE, groove(57.0), groove(40.0001)])
-    tile = build_tile(mesh)
+def any_rays(mesh, count, up):
+    """Return rays (n, 5), their places, generators and ways as a wave holds them."""
     random = np.random.default_rng(2).random((count, 4))
     k, angle = np.sqrt(random[:, 2]) * 0.999999, 2 * np.pi * random[:, 3]
     start = np.empty((count, 5))
     start[:, :2] = random[:, :2] * mesh.size[:2]
     start[:, 2], start[:, 3] = k * np.cos(angle), k * np.sin(angle)
     start[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
-    alone = np.empty((count, 4))
-    pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
     place = np.zeros((count, PLACE_SIZE))
     place[:, :2], place[:, 3:6] = start[:, :2], start[:, 2:]
     rng = np.zeros((count, RNG_SIZE), np.uint64)
     _starts(rng, 3)
-    way = np.zeros(count, np.int64)
+    return start, place, rng, np.zeros(count, np.int64)
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("count", [1, 7, 5000])
+def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up, count):
+    mesh = film_mesh(tmp_path, [BARE, CONCAVE, groove(57.0), groove(40.0001)])
+    tile = build_tile(mesh)
+    start, place, rng, way = any_rays(mesh, count, up)
+    alone = np.empty((count, 4))
+    pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
     compiled(film_passages)(
         tile, 1.5, 1.0, 0.0, np.arange(count), place, way, rng,
         np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
@@ -98,6 +106,23 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     assert (way == alone[:, 0]).all()
     # The underside turns a ray by one formula alone and by that of all facets in the lanes.
     assert np.abs(place[:, 3:6] - alone[:, 1:]).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_rays_through_a_section_eight_at_a_time_have_the_bits_of_each_alone(tmp_path, name):
+    mesh = section_mesh(tmp_path, name)
+    tile = build_tile(mesh, "section")
+    passages = compiled(section_passages)
+    for up in (True, False):
+        for count in (1, 7, 5000):
+            start, place, rng, way = any_rays(mesh, count, up)
+            alone = np.empty((count, 4))
+            pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
+            upward = np.full(count, int(up))
+            passages(tile, 1.5, 1.0, 0.0, np.arange(count), place, upward, way, rng)
+            assert (way != 0).all()
+            assert np.array_equal(way, alone[:, 0])
+            assert np.array_equal(place[:, 3:6], alone[:, 1:])
 
 
 @pytest.mark.parametrize("source", [LAMBERTIAN_BELOW, EYE])

@@ -73,6 +73,11 @@ class CurveFit:
         """The luminance [cd/m²] at `reading`, (k,)."""
         return self.gain @ self.luminance
 
+    @property
+    def reading_error(self) -> NDArray[np.float64]:
+        """Standard error [cd/m²] of the curve at `reading`, (k,)."""
+        return self.misfit * np.sqrt(self.gain**2 @ self.error**2)
+
     def at(self, position: float) -> Estimate:
         """Return the luminance [cd/m²] at the reading nearest to a position in pitches."""
         return self._sum(self.gain[np.argmin(np.abs(self.reading - position))])

@@ -13,7 +13,8 @@ from mpfcad.optics.search.tile_table import tile_of
 #: The columns of a film in `Scene.parameter`; four of its resin, and the absorption of both.
 INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE = range(7)
 SCATTERING, ASYMMETRY, PHASE, PRISM, ABSORPTION = range(7, 12)
-_MOST_HITS = 100_000
+#: Meetings after which a ray counts as lost.
+MOST_HITS = 100_000
 
 
 @kernel
@@ -84,7 +85,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         if not entered:
             return -1, x + base_x, y + base_y, dx, dy, dz, 1.0
         inside = True
-    for _ in range(_MOST_HITS):
+    for _ in range(MOST_HITS):
         x0, y0, z0 = x, y, z
         if amid and tile.accelerator == CHAIN:
             k, x, y, z, nx, ny, nz, shift_x, shift_y = segment_amid(tile, x, y, z, dx, dy, dz)

@@ -17,7 +17,8 @@ from mpfcad.optics.search.chain import Chain, build_chain, chain_of
 from mpfcad.optics.search.chain_walk import chain_hit
 from mpfcad.optics.search.grid.build import build_grid
 from mpfcad.optics.search.grid.cells import Grid, grid_hit
-from mpfcad.optics.search.grid.section import Section, build_section, section_hit, section_of
+from mpfcad.optics.search.grid.section import Section, build_section, section_of
+from mpfcad.optics.search.grid.section_walk import section_hit
 from mpfcad.optics.solid.mesh import FilmMesh
 
 CHAIN, BVH, SECTION, GRID = range(4)
@@ -113,16 +114,17 @@ def next_facet(tile, x, y, z, dx, dy, dz, k, inside):
             tile.grid, (tile.width, tile.length), tile.low, tile.high, x, y, z, dx, dy, dz, inside
         )  # fmt: skip
         return k, x, y, z, nx, ny, nz, shift, shift_y
-    # From inside there is only the flat underside to reach without a facet, and from it no air.
-    astray = inside if dz > 0.0 or not tile.underside else not inside
     if tile.accelerator == SECTION:
         k, distance, x, z, shift = section_hit(
-            tile.section, tile.width, tile.low, tile.high, x, z, dx, dz, inside
+            tile.section, tile.width, tile.low, tile.high, tile.underside, x, z, dx, dz, inside
         )
+        y += distance * dy
         if k < 0:
-            return (-2 if astray else k), x, y, z, 0.0, 0.0, 1.0, shift, 0.0
-        normal = tile.section.normal
-        return k, x, y + distance * dy, z, normal[k, 0], 0.0, normal[k, 1], shift, 0.0
+            return k, x, y, z, 0.0, 0.0, 1.0, shift, 0.0
+        facing = tile.section.facing[k]
+        return k, x, y, z, facing[0], 0.0, facing[1], shift, 0.0
+    # From inside there is only the flat underside to reach without a facet, and from it no air.
+    astray = inside if dz > 0.0 or not tile.underside else not inside
     k, x, y, z, shift, shift_y = bvh_hit(
         tile.bvh, (tile.width, tile.length), tile.low, tile.high, x, y, z, dx, dy, dz, inside
     )

@@ -91,11 +91,10 @@ def tile_of(table, t):
     )
     c, d = table.section_at[t], table.section_at[t + 1]
     section = Section(
-        table.section.corner[c[0] : d[0]],
-        table.section.segment[c[1] : d[1]],
-        table.section.first[c[2] : d[2]],
-        table.section.normal[c[3] : d[3]],
-        table.section.shape[c[4] : d[4]],
+        table.section.cell[c[0] : d[0]],
+        table.section.line[c[1] : d[1]],
+        table.section.facing[c[2] : d[2]],
+        table.section.shape[c[3] : d[3]],
     )
     c, d = table.grid_at[t], table.grid_at[t + 1]
     grid = Grid(
