@@ -61,6 +61,15 @@ def test_a_closed_and_mirrored_file_gives_the_same_ratios(tmp_path, rules, suffi
             demand(check_mask(path, mask, other).gates)
 
 
+def test_a_file_without_a_note_of_its_order_is_refused(tmp_path):
+    mask = build()
+    noted = Phototool(notes=("revision B", "mesh 120-34"))
+    path = written(tmp_path / "m.oas", mask, Phototool(notes=("revision B",)))
+    with pytest.raises(ExportError, match="text: expected 'mesh 120-34'"):
+        check_mask(path, mask, noted)
+    assert check_mask(written(path, mask, noted), mask, noted).fiducial_count == 4
+
+
 @pytest.mark.parametrize("rules", [SLOT, DOT])
 def test_closed_is_what_open_leaves(tmp_path, rules):
     mask = build(rules=rules)
