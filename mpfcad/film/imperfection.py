@@ -15,6 +15,7 @@ from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove_tip import Flank, round_tips
 from mpfcad.film.measured_section import measured_section
+from mpfcad.film.meniscus import meniscus_section
 from mpfcad.film.section import ARC, LINE, PARABOLA, Section, join_pieces
 from mpfcad.units import nm, um
 
@@ -36,11 +37,15 @@ class Imperfection:
         (k, 3) float64 or None: a surface as `average_groove` gives it, which every groove gets in
         the parabola's place; in a `filled` film with as much of its resin as the groove holds with
         its C
+    contact_angle
+        of resin and wall [rad]: its surface is then the arc that meets the walls so, with as much
+        resin as the groove holds with its C; None: the parabola through the tips
     """
 
     tip_radius: float = 0.0
     valley_radius: float = 0.0
     measured: NDArray[np.float64] | None = None
+    contact_angle: float | None = None
 
 
 def build_section(
@@ -62,6 +67,8 @@ def build_section(
                 "film: profile measured: has its own tips and valleys: expected radii of 0"
             )
         return measured_section(film, made.measured)
+    if made.contact_angle is not None:
+        return meniscus_section(film, made.contact_angle, sliver)
     for name in ("tip_radius", "valley_radius"):
         radius = getattr(made, name)
         if radius and not SMALLEST_RADIUS <= radius < np.inf:

@@ -22,11 +22,14 @@ class MadeFilm:
         pitch and depth as made; C through the tips, were they sharp; of a measured surface, the C
         of a groove with as much resin
     imperfection
-        radii, or the measured surface
+        radii, the measured surface, or the angle of a resin at rest
+    resin_factor
+        (n,) float64, resin of each groove over what the mask gives it; None: as much
     """
 
     film: PrismFilm
     imperfection: Imperfection
+    resin_factor: NDArray[np.float64] | None = None
 
     @property
     def groove(self) -> Groove:
@@ -51,7 +54,7 @@ class MadeFilm:
     def with_resin(self, height: NDArray[np.float64]) -> "MadeFilm":
         """Return the film whose grooves hold `height` (n,) [mm] of resin over their area.
 
-        An `ideal` film has none and stays as it is.
+        That is what the mask gives; `resin_factor` goes on top. An `ideal` film stays as it is.
 
         Raises
         ------
@@ -60,7 +63,8 @@ class MadeFilm:
         """
         if self.film.profile == "ideal":
             return self
-        curvature = curvature_of_resin(self.film, self.imperfection, height)
+        given = height if self.resin_factor is None else height * self.resin_factor
+        curvature = curvature_of_resin(self.film, self.imperfection, given)
         return replace(self, film=replace(self.film, curvature=curvature))
 
     @property
@@ -71,7 +75,9 @@ class MadeFilm:
 
     def cut(self, first: int, count: int, length: float) -> "MadeFilm":
         """Return the piece of `count` grooves from groove `first` on, `length` mm long."""
-        return replace(self, film=self.film.cut(first, count, length))
+        factor = self.resin_factor
+        part = None if factor is None else factor[first : first + count]
+        return replace(self, film=self.film.cut(first, count, length), resin_factor=part)
 
     def bare_height(self, x: ArrayLike) -> NDArray[np.float64] | None:
         """Return z [mm] of the bare prisms' walls and round valleys at x [mm], tips left sharp.

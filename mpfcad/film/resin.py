@@ -70,7 +70,7 @@ def curvature_of_resin(
             f"at most {full / um:.4g} µm, what a groove {film.groove.depth / um:.4g} µm deep holds"
         )
     fill = np.clip(wanted, 0.0, 1.0)
-    if imperfection.measured is not None:
+    if imperfection.measured is not None or imperfection.contact_angle is not None:
         return film.groove.curvature_of_fill(fill)
     empty = wanted <= 0
     growth = np.ones(len(fill))

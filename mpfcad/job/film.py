@@ -34,6 +34,8 @@ class FilmTable(Table):
     prism_angle_error_deg: Annotated[float, Field(ge=-90, le=90, allow_inf_nan=False)] = 0.0
     pitch_error_um: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
     measured_file: str | None = None
+    surface: Literal["parabola", "arc", "level"] = "parabola"
+    resin_spread_percent: Annotated[float, Field(ge=0, le=50, allow_inf_nan=False)] = 0.0
     cell: Literal["groove", "pyramid", "paraboloid"] = "groove"
 
     #: The fields that make a film something else than grooves as designed.
@@ -43,6 +45,8 @@ class FilmTable(Table):
         "prism_angle_error_deg",
         "pitch_error_um",
         "measured_file",
+        "surface",
+        "resin_spread_percent",
         "cell",
     )
     #: The three that state the groove.

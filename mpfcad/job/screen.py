@@ -34,7 +34,8 @@ class ProcessTable(Table):
     @model_validator(mode="after")
     def _whole(self) -> "ProcessTable":
         given = [name for name in self.FLOW if getattr(self, name) is not None]
-        if given and len(given) < len(self.FLOW):
+        # The contact angle alone gives the shape of a resin at rest (film.surface = "arc").
+        if given not in ([], ["contact_angle_deg"]) and len(given) < len(self.FLOW):
             missing = ", ".join(name for name in self.FLOW if name not in given)
             raise ValueError(f"{', '.join(given)} given: expected {missing} too")
         if self.calibration is not None and self.model is not None:

@@ -25,6 +25,8 @@ base_um = 200.0                 # thickness below the valleys
 # prism_angle_error_deg = -0.5
 # pitch_error_um = 0.01
 # measured_file = "trace.csv"   # a stylus trace in the parabola's place
+# surface = "arc"               # of the resin: at process.contact_angle_deg; or "level"
+# resin_spread_percent = 3.0    # of the resin from groove to groove
 # cell = "pyramid"              # or "paraboloid": cells in both directions instead of grooves
 
 [process]                       # aperture ratio <-> fill fraction (docs/process.md)

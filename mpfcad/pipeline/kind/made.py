@@ -12,6 +12,7 @@ from mpfcad.film.section import Section
 from mpfcad.pipeline.kind.base import Check, Print, step_header
 from mpfcad.pipeline.kind.groove import Grooves
 from mpfcad.pipeline.kind.words import size_words
+from mpfcad.record import ResinCheck
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -69,8 +70,9 @@ class MadeGrooves(Grooves):
     def check_mesh(self, path: Path) -> MeshCheck:
         from mpfcad.cad.check.section import check_section_stl
 
-        measured = self.film.imperfection.measured
-        parabolas = None if measured is not None else self.film.film
+        made = self.film.imperfection
+        is_parabola = made.measured is None and made.contact_angle is None
+        parabolas = self.film.film if is_parabola else None
         return check_section_stl(path, self.section, self.angle, parabolas)
 
     def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -78,6 +80,18 @@ class MadeGrooves(Grooves):
         depth = given.process.groove.depth
         height = given.process.fill_fraction(ratio) * depth / 2
         return self.film.with_resin(height).film.curvature
+
+    def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
+        factor = self.film.resin_factor
+        if factor is None:
+            return super().resin(mesh_volume, given)
+        width, length = self.film.size
+        full = width * length * given.process.groove.depth / 2
+        by_mask = {
+            name: full * float(np.mean(given.process.fill_fraction(ratio) * factor))
+            for name, ratio in given.ratio.items()
+        }
+        return ResinCheck(by_mask, mesh_volume - self.film.bare_volume, full)
 
     @property
     def extent(self) -> str:

@@ -1,5 +1,6 @@
 """The CAD piece as a job says it is made: as designed, imperfect or measured, or of cells."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from mpfcad.film import (
     CellFilm,
     CellShape,
     FieldPiece,
+    Groove,
     Imperfection,
     MadeFilm,
     PrismFilm,
@@ -18,6 +20,7 @@ from mpfcad.film import (
     read_stylus_trace,
 )
 from mpfcad.job import Job
+from mpfcad.units import deg
 
 #: What film.step and film.stl hold.
 Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece
@@ -76,12 +79,55 @@ def _draw_made(
         # The tool keeps its angle: grooves of another pitch are similar ones.
         larger = groove.pitch / piece.groove.pitch
         measured = measured * np.array([larger, larger, 1 / larger])
-    imperfection = Imperfection(table.tip_radius, table.valley_radius, measured)
+    angle = _contact_angle(job, groove, where)
+    imperfection = Imperfection(table.tip_radius, table.valley_radius, measured, angle)
     curvature = piece.curvature
     if piece.profile == "filled":
         curvature = np.minimum(curvature, groove.curvature_empty)
-    made = MadeFilm(replace(piece, groove=groove, curvature=curvature), imperfection)
+    factor = _resin_factor(job, piece.groove_count, where)
+    made = MadeFilm(replace(piece, groove=groove, curvature=curvature), imperfection, factor)
     return made.with_resin(piece.resin_height)
+
+
+def _contact_angle(job: Job, groove: Groove, where: str) -> float | None:
+    """Return the angle [rad] at which the resin meets the walls; None: the parabola.
+
+    Raises
+    ------
+    InputError
+        where the film has no resin of its own shape, or the angle is not stated.
+    """
+    table = job.film
+    if table.surface == "parabola":
+        return None
+    if table.profile != "filled":
+        raise InputError(f"{where}: film.surface: {table.surface}: expected profile 'filled'")
+    for name in ("tip_radius_um", "valley_radius_um", "measured_file"):
+        if getattr(table, name):
+            raise InputError(
+                f"{where}: film.surface: {table.surface}: expected 'parabola' with {name}"
+            )
+    wall = math.atan(groove.wall_slope)
+    if table.surface == "level":
+        return wall
+    angle = job.process.contact_angle_deg
+    if angle is None:
+        raise InputError(f"{where}: film.surface: arc: expected process.contact_angle_deg too")
+    return angle * deg
+
+
+def _resin_factor(job: Job, count: int, where: str) -> NDArray[np.float64] | None:
+    """Return the resin of each groove over what the mask gives, log-normal with mean 1."""
+    spread = job.film.resin_spread_percent / 100
+    if not spread:
+        return None
+    if job.film.profile != "filled" or job.film.measured_file is not None:
+        raise InputError(
+            f"{where}: film.resin_spread_percent: {job.film.resin_spread_percent:g}: expected 0 "
+            f"for a film without resin of its own, or with a measured one"
+        )
+    drawn = np.random.Generator(np.random.Philox(job.seed)).standard_normal(count)
+    return np.exp(spread * drawn - spread**2 / 2)
 
 
 def _draw_cells(job: Job, shape: CellShape, piece: PrismFilm, where: str) -> CellFilm:
