@@ -18,8 +18,11 @@ from mpfcad.report.page.environment import render
 from mpfcad.report.page.led_page import ShownFilm, write_led_page
 
 ROOT = Path(mpfcad.__file__).parent
-#: Films over the panel are films too, and so are those that the tracer knows.
-FILMS = {kind.__name__ for kind in KINDS} | {"FieldFilm", "CurvatureField", "Film", "LibraryFilm"}
+#: Films over the panel are films too, those that the tracer knows, and the masks made of them.
+FILMS = {
+    *(kind.__name__ for kind in KINDS), "FieldFilm", "CurvatureField", "Film", "LibraryFilm",
+    *("GrooveMask", "DitherMask", "LevelMask"),
+}  # fmt: skip
 ASKING = sorted(
     path
     for package in ("mask", "pipeline", "report", "measure")

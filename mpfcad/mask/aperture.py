@@ -90,6 +90,28 @@ class Mask(ABC):
     ) -> NDArray[np.float64]:
         """Return the wanted ratio, integrated like `open_length`."""
 
+    @property
+    @abstractmethod
+    def smallest_features(self) -> tuple[float | None, float | None]:
+        """Smallest aperture and web as drawn [mm]; None where there is none."""
+
+    @property
+    def is_lattice(self) -> bool:
+        """Whether the apertures of a groove are one array."""
+        return False
+
+    @property
+    def closed_arrays(self) -> Iterable[ApertureArray] | None:
+        """Rectangles that cover what is closed, without overlap; None where that is not made."""
+        return None
+
+    def wanted_places(self, cell: float) -> tuple[NDArray[np.float64], float]:
+        """Return the wanted ratio where a print is judged, and the places' distance across [mm].
+
+        Of squares of side `cell` [mm]: a map of both directions varies along its grooves.
+        """
+        return self.wanted_map(cell), cell
+
     @cached_property
     def ratio_ends(self) -> tuple[float, float]:
         """Smallest wanted ratio above 0, and the largest: of squares of 1 mm; 0, 0 without resin.

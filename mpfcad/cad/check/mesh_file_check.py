@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.shape.mesh import mesh_contact, mesh_sliver
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
+from mpfcad.gate import Gate
 
 #: Largest error of a body's volume, as a share of the film's.
 VOLUME_TOLERANCE = 1e-4
@@ -27,6 +28,8 @@ class BodyCheck:
 
     volume: dict[str, float]
     triangle_count: dict[str, int]
+    #: None: what is not the film is refused when it is read.
+    gates: ClassVar[tuple[Gate, ...]] = ()
 
 
 def check_3mf(path: Path, film: PrismFilm) -> BodyCheck:

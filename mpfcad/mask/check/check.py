@@ -28,7 +28,6 @@ from mpfcad.mask.check.read_tiff import read_tiff
 from mpfcad.mask.check.tally import Tally
 from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.flat import flat_tiles
-from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool, Polarity
 from mpfcad.mask.rule import GRID
 from mpfcad.units import mm
@@ -122,7 +121,7 @@ def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask
         _groove_edges(mask, phototool),
         *_squares(mask, phototool),
         is_slot=mask.rules.pattern == "slot",
-        is_tiled=not isinstance(mask, GrooveMask),
+        is_tiled=not mask.is_lattice,
     )
     for array in found.arrays():
         tally.add(array)

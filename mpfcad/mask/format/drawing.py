@@ -1,6 +1,6 @@
 """A mask as it is drawn: polarity and mirroring done, furniture around it, ready for any format."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +17,6 @@ from mpfcad.mask.format.furniture import (
     draw_lines,
     wedge_ratios,
 )
-from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool
 from mpfcad.mask.rule import GRID
 
@@ -84,9 +83,9 @@ class Drawing:
     @property
     def arrays(self) -> Iterator[ApertureArray]:
         """The arrays of the aperture layer, one after the other."""
-        arrays = self.mask.arrays
-        if self.inverted and isinstance(self.mask, GrooveMask):  # `draw` refuses others
-            arrays = closed_arrays(self.mask)
+        arrays, closed = self.mask.arrays, self.mask.closed_arrays
+        if self.inverted and closed is not None:  # `draw` refuses others
+            arrays = closed
         if self.phototool.mirror:
             return (mirror_array(array, self.width) for array in arrays)
         return iter(arrays)
@@ -125,7 +124,7 @@ def draw(mask: Mask, phototool: Phototool, *, paints: bool = False) -> Drawing:
     """
     width, length = round(mask.width / GRID), round(mask.length / GRID)
     inverted = phototool.polarity == "closed" and not paints
-    if inverted and not isinstance(mask, GrooveMask):
+    if inverted and mask.closed_arrays is None:
         raise InputError(
             f"{mask.name}: mask.polarity: closed: expected for patterns with one array a groove, "
             f"or in formats gbr, svg, tif"
@@ -170,25 +169,3 @@ def mirror_array(array: ApertureArray, width: int) -> ApertureArray:
     if isinstance(array.shape, tuple):
         return ApertureArray(array.shape, mirror_place(array.place, width - array.shape[0]))
     return ApertureArray(array.shape * np.array([-1, 1]), mirror_place(array.place, width))
-
-
-def closed_arrays(mask: GrooveMask) -> Iterable[ApertureArray]:
-    """Yield rectangles that cover what is closed in each groove, without overlap."""
-    edge = np.rint(np.arange(mask.groove_count + 1) * mask.pitch / GRID).astype(np.int64)
-    length, step = round(mask.length / GRID), mask.period_steps
-    for i in range(mask.groove_count):
-        left, right = int(edge[i]), int(edge[i + 1])
-        if not mask.is_open[i]:
-            yield ApertureArray((right - left, length), Placement((left, 0)))
-            continue
-        x, y = int(mask.left[i]), int(mask.bottom[i])
-        width, height, count = int(mask.across[i]), int(mask.along[i]), int(mask.count[i])
-        top = y + (count - 1) * step + height
-        for low, high, rows in ((0, y, 1), (y + height, y + step, count - 1), (top, length, 1)):
-            if high > low and rows:
-                place = Placement((left, low), rows=rows, row_step=(0, step))
-                yield ApertureArray((right - left, high - low), place)
-        for low, high in ((left, x), (x + width, right)):
-            if high > low:
-                place = Placement((low, y), rows=count, row_step=(0, step))
-                yield ApertureArray((high - low, height), place)

@@ -60,6 +60,12 @@ class DitherMask(Mask):
         return self.cell_steps * GRID
 
     @property
+    def smallest_features(self) -> tuple[float | None, float | None]:
+        """Side of the dots, and the web between two of neighbouring cells [mm]."""
+        cell = min(round(self.pitch / GRID), self.cell_steps)
+        return self.side * GRID, (cell - self.side) * GRID
+
+    @property
     def cell_count(self) -> int:
         """Number of cells along a groove, m."""
         return self.ratio.cell_count

@@ -83,6 +83,32 @@ class GrooveMask(Mask):
         area = self.across.astype(float) * self.along * self.count * GRID**2
         return np.asarray(area / (self.pitch * self.length), np.float64)
 
+    @property
+    def smallest_features(self) -> tuple[float | None, float | None]:
+        """Smallest aperture and web as drawn [mm]; None where there is none."""
+        is_open = self.is_open
+        if not is_open.any():
+            return None, None
+        along = self.along[is_open]
+        webs = [self.period_steps - int(along.max())]
+        if self.rules.pattern != "slot":
+            webs.append(round(self.pitch / GRID) - int(self.across[is_open].max()))
+        return float(along.min()) * GRID, float(min(webs)) * GRID
+
+    @property
+    def is_lattice(self) -> bool:
+        """Whether the apertures of a groove are one array: they are."""
+        return True
+
+    @property
+    def closed_arrays(self) -> Iterator[ApertureArray]:
+        """Rectangles that cover what is closed in each groove, without overlap."""
+        return _closed_arrays(self)
+
+    def wanted_places(self, cell: float) -> tuple[NDArray[np.float64], float]:
+        """Return the wanted ratio of each groove, and the pitch [mm]."""
+        return self.wanted_ratio, self.pitch
+
     @cached_property
     def ratio_ends(self) -> tuple[float, float]:
         """Smallest wanted ratio above 0, and the largest, of the grooves."""
@@ -109,6 +135,28 @@ class GrooveMask(Mask):
     ) -> NDArray[np.float64]:
         """Return the wanted ratio, integrated like `open_length`."""
         return self.groove_ratio[first : first + count, None] * position
+
+
+def _closed_arrays(mask: GrooveMask) -> Iterator[ApertureArray]:
+    """Yield rectangles that cover what is closed in each groove, without overlap."""
+    edge = np.rint(np.arange(mask.groove_count + 1) * mask.pitch / GRID).astype(np.int64)
+    length, step = round(mask.length / GRID), mask.period_steps
+    for i in range(mask.groove_count):
+        left, right = int(edge[i]), int(edge[i + 1])
+        if not mask.is_open[i]:
+            yield ApertureArray((right - left, length), Placement((left, 0)))
+            continue
+        x, y = int(mask.left[i]), int(mask.bottom[i])
+        width, height, count = int(mask.across[i]), int(mask.along[i]), int(mask.count[i])
+        top = y + (count - 1) * step + height
+        for low, high, rows in ((0, y, 1), (y + height, y + step, count - 1), (top, length, 1)):
+            if high > low and rows:
+                place = Placement((left, low), rows=rows, row_step=(0, step))
+                yield ApertureArray((right - left, high - low), place)
+        for low, high in ((left, x), (x + width, right)):
+            if high > low:
+                place = Placement((low, y), rows=count, row_step=(0, step))
+                yield ApertureArray((high - low, height), place)
 
 
 def build_groove_mask(

@@ -60,6 +60,12 @@ class LevelMask(Mask):
         return self.cell_steps * GRID
 
     @property
+    def smallest_features(self) -> tuple[float | None, float | None]:
+        """Smallest aperture as drawn, None without any; the web that the rules leave [mm]."""
+        sizes = [min(a.size) for t in self.tile_arrays for a in t.tile.arrays]
+        return (min(sizes) * GRID if sizes else None), self.rules.web_limit
+
+    @property
     def tile_steps(self) -> int:
         """Length of a tile [grid steps]."""
         return self.tile_cells * self.cell_steps

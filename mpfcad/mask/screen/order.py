@@ -9,8 +9,6 @@ from mpfcad.film import Process
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.furniture import wedge_ratios
-from mpfcad.mask.pattern.dither import DitherMask
-from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool
 from mpfcad.mask.rule import GRID
 from mpfcad.units import deg, um
@@ -45,24 +43,6 @@ class OrderTerms:
     curvature_tolerance: float
 
 
-def smallest_features(mask: Mask) -> tuple[float | None, float | None]:
-    """Return smallest aperture and web of a mask as drawn [mm]; None where there is none."""
-    if isinstance(mask, GrooveMask):
-        is_open = mask.is_open
-        if not is_open.any():
-            return None, None
-        along = mask.along[is_open]
-        webs = [mask.period_steps - int(along.max())]
-        if mask.rules.pattern != "slot":
-            webs.append(round(mask.pitch / GRID) - int(mask.across[is_open].max()))
-        return float(along.min()) * GRID, float(min(webs)) * GRID
-    if isinstance(mask, DitherMask):
-        cell = min(round(mask.pitch / GRID), mask.cell_steps)
-        return mask.side * GRID, (cell - mask.side) * GRID
-    sizes = [min(a.size) for t in mask.tile_arrays for a in t.tile.arrays]
-    return (min(sizes) * GRID if sizes else None), mask.rules.web_limit
-
-
 def edge_tolerance(mask: Mask, process: Process, curvature: float) -> float | None:
     """Return by how much an aperture's length may be off [mm]; None without apertures.
 
@@ -86,7 +66,7 @@ def describe_order(
 ) -> dict[str, Any]:
     """Return the facts of the order in outside names, fit for JSON."""
     mesh, rules = mask.rules.mesh, mask.rules
-    aperture, web = smallest_features(mask)
+    aperture, web = mask.smallest_features
     tolerance = edge_tolerance(mask, process, terms.curvature_tolerance)
     left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
     artwork = (right - left, top - bottom)

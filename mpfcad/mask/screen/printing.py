@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from mpfcad.film import Process
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.fabric import Mesh
-from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.pattern.levelling import levelling_residual
 from mpfcad.units import mm, um
 
@@ -104,11 +103,7 @@ def find_printing(
     mesh's volume that leaves, with the deviation of its logarithm.
     """
     # A map of both directions: by squares; a groove's mean says too little.
-    wanted, step = (
-        (mask.wanted_ratio, mask.pitch)
-        if isinstance(mask, GrooveMask)
-        else (mask.wanted_map(SQUARE), SQUARE)
-    )
+    wanted, step = mask.wanted_places(SQUARE)
     is_open = wanted > 1e-9
     residual = levelling_residual(mask)
     ripple = curvature_ripple(process, residual.groove_ratio, residual.groove_rms)

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
+from mpfcad.cad import Agreement, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import PanelFilm, Process
-from mpfcad.gate import Gate, demand
+from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.kind import Check, kind_of
@@ -122,8 +122,8 @@ def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progre
 
 def check_cad(
     plan: Plan, folder: Path, formats: Sequence[str], progress: Progress
-) -> list[StepCheck | MeshCheck | Agreement]:
-    """Return the check of each CAD file in `folder` that has gates, and of STEP against STL.
+) -> list[Check | Agreement]:
+    """Return the check of each CAD file in `folder`, and of STEP against STL.
 
     Raises
     ------
@@ -141,20 +141,13 @@ def check_cad(
             check_heights(path, drawing.grid())
         else:
             checks[suffix] = drawing.check(path)
-    found: list[StepCheck | MeshCheck | Agreement] = [
-        check for check in checks.values() if not isinstance(check, BodyCheck)
-    ]
+    found: list[Check | Agreement] = list(checks.values())
     step = checks.get("step")
     if isinstance(step, StepCheck) and "stl" in checks:
         progress.stage("comparing film.step with film.stl")
         files = folder / "film.step", folder / "film.stl"
         found.append(drawing.compare(*files, sum(step.bodies.values())))
     return found
-
-
-def gates_of(check: Check) -> tuple[Gate, ...]:
-    """Return the gates of a CAD file; formats without a verdict have none."""
-    return () if isinstance(check, BodyCheck) else check.gates
 
 
 def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
@@ -179,7 +172,7 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
         progress.stage(f"writing {names[-1]}")
         place = f"x0 = {first * kind.film.groove.pitch:.6g} mm"
         tile.write(folder / names[-1], f"{place}, {plan.job.name}")
-        demand(gates_of(tile.check(folder / names[-1])))
+        demand(tile.check(folder / names[-1]).gates)
     return names
 
 

@@ -123,8 +123,6 @@ def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str
 
 def smallest_dot(mask: Mask) -> float:
     """Return the side of an error-diffused mask's dots [mm]."""
-    from mpfcad.mask.screen.order import smallest_features
-
-    side, _ = smallest_features(mask)
+    side, _ = mask.smallest_features
     assert side is not None  # every dithered mask has its dot
     return side
