@@ -1,7 +1,6 @@
 """`run_sweep`: every point traced once, by any number of processes, and what they say together."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,16 +9,14 @@ import numpy as np
 
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.job.sweep import Sweep
-from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.point.trace import (
     POINT,
-    Point,
     build_point,
     conventional_point,
     describe_coordinate,
-    trace_point,
 )
 from mpfcad.pipeline.progress import SILENT, Progress
+from mpfcad.pipeline.sweep.cluster import traced_points
 from mpfcad.pipeline.sweep.curve import THICKNESS_AXIS, find_limits, find_optima, main_axis
 from mpfcad.store import Store, versions
 
@@ -49,7 +46,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        when the sweep or a point of it is wrong, before anything is traced.
+        when the sweep or a point of it is wrong, before anything is traced; when the scheduler does
+        not answer or a worker of it runs another version.
     """
     sweep_file, out = Path(sweep_file), Path(out)
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
@@ -67,7 +65,7 @@ def run_sweep(
 
             # Here, where it is told, and not by each worker for itself.
             compile_tracer()
-        with _traced(left, scheduler, workers) as results:
+        with traced_points(left, scheduler, workers) as results:
             for i, result in results:
                 found[i] = store.keep_json(POINT, keys[i], result)
                 name = describe_coordinate(points[i].coordinate) or "the conventional stack"
@@ -85,34 +83,6 @@ def run_sweep(
         write_sweep_page(folder / PAGE, record)
         write_manifest(folder, sweep.name, "sweep")
     return record
-
-
-@contextmanager
-def _traced(
-    points: dict[int, Point], scheduler: str | None, workers: int | None
-) -> Iterator[Iterator[tuple[int, dict[str, Any]]]]:
-    """Give the results as they come in, in any order; a task of a lost worker is done again."""
-    if scheduler is None and workers == 1:
-        yield ((i, trace_point(point)) for i, point in points.items())
-        return
-    from dask import config
-    from distributed import Client, LocalCluster, as_completed
-
-    # A worker that is killed costs its task one attempt; it is not the task's fault.
-    with config.set({"distributed.scheduler.allowed-failures": 10}):
-        cluster = scheduler or LocalCluster(
-            n_workers=workers or available_threads(),
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=None,
-        )
-        with Client(cluster) as client:
-            futures = {
-                client.submit(trace_point, point, pure=False): i for i, point in points.items()
-            }
-            yield ((futures[done], done.result()) for done in as_completed(futures))
-        if not isinstance(cluster, str):
-            cluster.close()
 
 
 def _of_curve(key: str, result: dict[str, Any]) -> Any:
