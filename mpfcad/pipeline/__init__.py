@@ -10,6 +10,7 @@ from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, job_case, read_case
 from mpfcad.pipeline.measure.compare import compare_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
+from mpfcad.pipeline.plan.need import available_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run.make import CAD_FORMATS, MASK_FORMATS
@@ -41,6 +42,7 @@ __all__ = [
     "Progress",
     "Silent",
     "TraceSetting",
+    "available_memory",
     "changed_job",
     "compare_cases",
     "default_design_out",
@@ -62,6 +64,7 @@ __all__ = [
     "restore_plan",
     "run_design",
     "run_job",
+    "run_need",
     "run_sweep",
     "trace_mesh",
     "verify_export",

@@ -4,6 +4,7 @@ import os
 import signal
 
 import pytest
+from command import mpfcad
 
 from mpfcad.boundary.apart import apart, tell_stage
 from mpfcad.cli import run_app
@@ -52,3 +53,13 @@ def test_a_step_file_that_is_none_is_one_line(tmp_path, capfd):
     assert run_app(["trace", str(tmp_path / "a.step")]) == 2
     error = capfd.readouterr().err
     assert error.count("\n") == 1 and "a.step" in error
+
+
+def test_what_a_library_says_of_a_damaged_file_is_not_printed(tmp_path):
+    import struct
+
+    tag = struct.pack("<HHII", 256, 44, 1, 7)
+    (tmp_path / "a.tif").write_bytes(b"II*\0" + struct.pack("<IH", 8, 1) + tag + bytes(4))
+    result = mpfcad("judge", "a.tif", "--pixel-mm", "0.1", cwd=tmp_path)
+    assert result.returncode == 2, result.stderr
+    assert result.stderr.count("\n") == 1 and "a.tif" in result.stderr

@@ -1,10 +1,14 @@
 """`mpfcad run`: the whole job, from the curvature map to the verdict."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mpfcad.cli.option import JobFile, Junit, Out, Threads, TraceEffort
+
+if TYPE_CHECKING:
+    from mpfcad.job import Job
 
 
 def command(
@@ -16,6 +20,10 @@ def command(
         bool, typer.Option("--pdf", help="Print report.pdf (A4), by a Chromium that is installed.")
     ] = False,
     junit: Junit = None,
+    plan: Annotated[
+        bool,
+        typer.Option("--plan", help="State only what memory and time it takes; make no file."),
+    ] = False,
     confidence: Annotated[
         bool,
         typer.Option(
@@ -33,6 +41,8 @@ def command(
     job = read_job(job_file)
     if confidence and job.confidence is None:
         job = job.model_copy(update={"confidence": job.confidence_table})
+    if plan:
+        return _say_plan(job, job_file, effort.value if effort else job.trace.effort)
     folder = out or default_out(job)
     with Terminal() as terminal:
         verification = run_job(
@@ -48,3 +58,23 @@ def command(
         write_junit(junit, verification)
     print_verdict(verification, folder)
     return exit_code(verification["verdict"])
+
+
+def _say_plan(job: "Job", job_file: Path, effort: str) -> int:
+    """Print what a run takes at most, on this machine."""
+    from mpfcad.cli.terminal import Terminal
+    from mpfcad.pipeline import available_memory, read_plan, run_need
+    from mpfcad.pipeline.speed import trace_speed
+
+    need = run_need(read_plan(job, job_file), effort)
+    with Terminal() as terminal:
+        terminal.stage("measuring how fast this machine traces")
+        _, rate = trace_speed()
+    print(f"film      {need.grooves} grooves, up to {need.triangles} triangles")
+    print(f"memory    up to {need.memory_gb:.1f} GB of {available_memory():.1f} GB available")
+    print(f"CAD       about {need.file_minutes:.1f} min on one core")
+    print(
+        f"traces    up to {need.paths / 1e6:g} million paths ({effort}): "
+        f"{need.trace_minutes(rate):.1f} min at {rate:.2f} million a second"
+    )
+    return 0

@@ -44,6 +44,12 @@ def refuse_picture(
         )
 
 
+def most_triangles(job: Job, groove_count: int) -> int:
+    """Return how many triangles the mesh of so many grooves has at most."""
+    # A groove's parabola turns by at most a right angle, in chords of two facets; ends are closed.
+    return math.ceil(groove_count * 4 * (90 / (2 * job.cad.angle_tolerance_deg) + 4))
+
+
 def refuse_mesh(job: Job, groove_count: int, where: str) -> None:
     """Refuse a mesh of a piece of so many grooves that would not fit the memory.
 
@@ -52,9 +58,8 @@ def refuse_mesh(job: Job, groove_count: int, where: str) -> None:
     InputError
         naming the facet angle and the smallest that fits.
     """
-    # A groove's parabola turns by at most a right angle, in chords of two facets; ends are closed.
     tolerance = job.cad.angle_tolerance_deg
-    triangles = groove_count * 4 * (90 / (2 * tolerance) + 4)
+    triangles = most_triangles(job, groove_count)
     if triangles > _TRIANGLES:
         room = _TRIANGLES / (4 * groove_count) - 4
         fits = f"at least {90 / (2 * room):.2g}" if room > 9 else "a smaller piece"

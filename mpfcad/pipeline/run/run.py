@@ -12,6 +12,7 @@ from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.kind import kind_of
+from mpfcad.pipeline.plan.need import refuse_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
@@ -75,6 +76,7 @@ def run_job(
         progress.note(table.table.summary())
     job = plan.job
     kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, str(job_file))
+    refuse_memory(run_need(plan, effort), str(job_file))
     mask = plan_mask(plan)
     if mask is not None:
         refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
