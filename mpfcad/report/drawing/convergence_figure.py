@@ -28,7 +28,8 @@ def paths_figure(record: dict[str, Any]) -> "go.Figure":
     figure = go.Figure()
     figure.add_scatter(
         x=paths + paths[::-1], y=rounded([*high, *low[::-1]], 6), fill="toself",
-        fillcolor=FILM_BAND, line={"width": 0}, hoverinfo="skip", name="95 % interval",
+        fillcolor=FILM_BAND, line={"width": 0}, mode="lines", hoverinfo="skip",
+        name="95 % interval",
     )  # fmt: skip
     figure.add_scatter(
         x=paths, y=rounded(found["contrast"], 6), mode="lines+markers", name="contrast",

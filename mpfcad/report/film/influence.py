@@ -55,6 +55,7 @@ _INFLUENCE = (
     ("cad.bodies", "solids in film.step; no figure"),
     ("cad.stl", "how film.stl is cut; no figure"),
 )
+_ORDER = ("stack", "map", "film", "process", "mask", "gates", "cad")
 _TABLES = (("mask.", _ARTWORK), ("cad.", _HEADER), ("gates.", "what is accepted; no figure"),
            ("stack.", "contrast and luminance"), ("process.", "resin, and so the curvature"),
            ("film.", "shape of the prisms: contrast and luminance"))  # fmt: skip
@@ -75,10 +76,10 @@ def influence_of(name: str) -> str:
 def assumed_rows(record: Record, stack: Stack) -> list[list[str]]:
     """Return name, what it changes, value, width and share of the curve's variance, of each."""
     found = {one["name"]: one for one in (record.get("confidence") or {"inputs": []})["inputs"]}
+    assumed = [entry for entry in record["inputs"] if entry["tag"] == "assumed"]
     rows = []
-    for entry in record["inputs"]:
-        if entry["tag"] != "assumed":
-            continue
+    # What the light hangs on first, and last what only the files' form does.
+    for entry in sorted(assumed, key=lambda one: _ORDER.index(one["name"].partition(".")[0])):
         name = entry["name"].removeprefix("stack.")
         traced = found.get(name)
         share = "" if traced is None else f"{traced['share_of_variance']:.1%}"

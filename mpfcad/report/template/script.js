@@ -10,6 +10,10 @@ function dress(layout, paper) {
     made[key].gridcolor = night ? "#3b444e" : "#e4e4e4";
   return made;
 }
+// Lines that are dark enough for paper are too dark for a dark screen.
+const lighter = {"#0b5fa5": "#5aa9ec", "#8a6d3b": "#cba868", "#3f7f4f": "#6fc288",
+  "#c03a6b": "#f07ba6", "#7a4d9f": "#b98fe0", "#b5541c": "#f0905a"};
+const lit = text => dark.matches ? text.replace(/#[0-9a-f]{6}/g, colour => lighter[colour] ?? colour) : text;
 function draw(place, width) {
   place.figure ??= JSON.parse(place.nextElementSibling.textContent);
   const layout = dress(place.figure.layout, width !== undefined);
@@ -17,7 +21,8 @@ function draw(place, width) {
   const narrow = (width ?? place.clientWidth) < 560;
   const columns = Object.keys(layout).filter(key => /^xaxis\d*$/.test(key));
   if (narrow && columns.length > 1 && layout.annotations?.length) stack(layout, columns, place);
-  Plotly.react(place, place.figure.data, layout, place.figure.config);
+  const text = JSON.stringify(place.figure.data);
+  Plotly.react(place, JSON.parse(width === undefined ? lit(text) : text), layout, place.figure.config);
   place.drawn = true;
 }
 // On a phone plots beside each other stand above each other.
