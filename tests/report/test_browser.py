@@ -21,7 +21,7 @@ from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job
 from mpfcad.report.browser import write_pdf
 
 PLOTS = (
-    "luminance", "film", "levelling", "grooves", "directions", "cuts", "paths", "facets", "energy",
+    "luminance", "film", "levelling", "grooves", "directions", "cuts", "paths", "facets",
     "response",
 )  # fmt: skip
 #: Phone to 4K.
@@ -193,6 +193,7 @@ def test_the_mask_is_drawn_from_panel_to_aperture(page, export):
     page.run("document.querySelector('.zoom button[name=aperture]').click()")
     page.wait(f"{words} !== {json.dumps(whole)}")
     near = page.run(words)
+    assert "mm across" not in near
     across, along = (float(found) for found in re.findall(r"([\d.]+) µm", near))
     slot = ratio * 50_000 / round(50_000 / 560)  # of whole periods in the panel's length [µm]
     assert min(across, along) == pytest.approx(2 * slot, rel=1e-3)

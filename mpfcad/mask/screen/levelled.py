@@ -16,8 +16,9 @@ from mpfcad.mask.check.found import FoundMask
 from mpfcad.mask.pattern.levelling import FULL_WIDTH
 from mpfcad.mask.rule import GRID
 
-#: Grooves and periods in the picture, and points of a period.
-GROOVES, PERIODS, POINTS = 9, 4, 48
+#: Grooves in the picture; periods and levelling lengths along it, at least; points of a period and
+#: of the whole, at most.
+GROOVES, PERIODS, LENGTHS, POINTS, MOST = 9, 4, 3, 48, 480
 #: Standard deviations at which the Gauss curve is cut: an earlier cut has a ripple of its own.
 _REACH = 6.5
 
@@ -63,10 +64,12 @@ def levelled_window(
         return None
     found = reader(path)
     left, bottom, right, top = found.outline
-    step = period / POINTS
+    shown = max(PERIODS * period, LENGTHS * levelling_length)
+    step = max(period / POINTS, shown / MOST)
+    count_along = round(shown / step)
     sigma = levelling_length / FULL_WIDTH / step
     margin = int(np.ceil(_REACH * sigma))
-    points = PERIODS * POINTS + 2 * margin
+    points = count_along + 2 * margin
     start = (bottom + top) / 2 * GRID - points * step / 2
     if start < bottom * GRID or start + points * step > top * GRID:
         return None
@@ -80,7 +83,7 @@ def levelled_window(
     curvature = process.curvature(np.clip(levelled, 0.0, 1.0))
     return LevelledWindow(
         first,
-        np.asarray((np.arange(PERIODS * POINTS) + 0.5) * step, np.float64),
+        np.asarray((np.arange(count_along) + 0.5) * step, np.float64),
         printed[:, margin:-margin],
         curvature - curvature.mean(axis=1, keepdims=True),
     )

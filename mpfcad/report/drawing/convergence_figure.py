@@ -49,10 +49,10 @@ def paths_figure(record: dict[str, Any]) -> "go.Figure":
 
 
 def _ticks(values: list[float]) -> dict[str, Any]:
-    """Return a logarithmic axis with ticks at 1, 2 and 5 times powers of ten."""
+    """Return a logarithmic axis with ticks at 1, 2, 3, 5 and 7 times powers of ten."""
     low, high = np.log10(min(values)), np.log10(max(values))
     powers = range(int(np.floor(low)), int(np.ceil(high)) + 1)
-    ticks = [float(f"{n}e{power}") for power in powers for n in (1, 2, 5)]
+    ticks = [float(f"{n}e{power}") for power in powers for n in (1, 2, 3, 5, 7)]
     return {"type": "log", "tickvals": ticks, "ticktext": [f"{tick:g}" for tick in ticks]}
 
 

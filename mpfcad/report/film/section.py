@@ -5,7 +5,7 @@ from typing import Any
 from mpfcad.record.traced import traced_films
 from mpfcad.report.drawing.angle_figure import angular_figure, conoscope_figure
 from mpfcad.report.drawing.convergence_figure import facets_figure, paths_figure
-from mpfcad.report.drawing.energy_figure import energy_figure
+from mpfcad.report.drawing.energy_drawing import draw_energy
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.film.evidence import Evidence
@@ -71,7 +71,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
     traces = {film.name: film.found for film in traced_films(record)}
     return {
         "traces": list(traces.items()),
-        "flow": plot(energy_figure(record["energy"]), "energy") if record["energy"] else None,
+        "flow": draw_energy(record["energy"]) if record["energy"] else None,
         "energy_head": ["share of the lamps' light", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()]),
     }

@@ -85,7 +85,7 @@ document.querySelectorAll(".zoom").forEach(async place => {
     }
     pen.putImageData(image, 0, 0);
   }
-  const length = nm => nm >= 1e7 ? `${+(nm / 1e6).toPrecision(4)} mm` : `${+(nm / 1e3).toPrecision(5)} µm`;
+  const length = nm => nm >= 1e6 ? `${+(nm / 1e6).toPrecision(4)} mm` : `${+(nm / 1e3).toPrecision(5)} µm`;
   function mark(scale, toX, toY) {
     const dot = canvas.width / wide;
     pen.lineWidth = dot; pen.strokeStyle = "#8a949e"; pen.fillStyle = "#1d232a";
@@ -157,7 +157,7 @@ document.querySelectorAll(".zoom").forEach(async place => {
     }
     fingers.set(event.pointerId, now);
   });
-  new ResizeObserver(() => {
+  function fit() {
     if (!canvas.clientWidth || canvas.clientWidth === wide) return;
     const was = wide && view.scale / wide;
     [wide, high] = [canvas.clientWidth, canvas.clientHeight];
@@ -165,5 +165,8 @@ document.querySelectorAll(".zoom").forEach(async place => {
     canvas.width = Math.round(wide * dot); canvas.height = Math.round(high * dot);
     if (was) view.scale = was * wide; else whole();
     redraw();
-  }).observe(canvas);
+  }
+  new ResizeObserver(fit).observe(canvas);
+  // Paper does not wait for the next frame.
+  addEventListener("beforeprint", () => { fit(); if (wide) draw(); });
 });

@@ -35,7 +35,8 @@ def draw_mask(path: Path, panel: PrismFilm, windows: dict[str, int], period: flo
 
     layout = kdb.Layout()
     layout.read(str(path))
-    length = min(PERIODS * period, panel.length / 2) / um
+    length = max(PERIODS * period, 2.5 * GROOVES * panel.groove.pitch)
+    length = min(length, panel.length / 2) / um
     # Along the grooves runs to the right, so that a window is wider than high.
     scale = WIDTH / length
     top = 0.0
