@@ -21,7 +21,7 @@ from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.examine import compare_curvature, compare_resin
 from mpfcad.pipeline.run.file_check import examine_files
-from mpfcad.pipeline.run.make import RUN_CAD_FORMATS, plan_mask, write_cad, write_masks
+from mpfcad.pipeline.run.make import plan_mask, write_cad, write_masks
 from mpfcad.pipeline.run.mask_order import phototool
 from mpfcad.record import ORDER, Checks, build_gates
 from mpfcad.record.printing import PREFIX, PrintLimits, mask_gates, print_gates
@@ -60,8 +60,8 @@ def tool_of(plan, mask=None):
 def folder(plan, tmp_path):
     out = tmp_path / "files"
     out.mkdir()
-    write_masks(plan_mask(plan), tool_of(plan), out, ["oas"], SILENT)
-    write_cad(plan, out, RUN_CAD_FORMATS, SILENT)
+    write_masks(plan_mask(plan), tool_of(plan), out, ["mask.oas"], SILENT)
+    write_cad(plan, out, ("step", "stl"), SILENT)
     return out
 
 
@@ -97,6 +97,7 @@ def test_files_as_written_pass_every_gate_and_each_has_words(folder, plan):
     # The job names no mesh; and nothing is traced.
     assert set(found) == set(ORDER) - screen - {
         "confidence",
+        "library_as_written",  # of a film of instances
         "traced_file_is_shipped_file",
         "energy_imbalance_sigma",
         "energy_lost",
@@ -172,7 +173,7 @@ def test_mask_and_mesh_of_other_depths_fail_by_their_resin(folder, plan):
     groove = Groove(plan.piece.groove.pitch, 2 * plan.piece.groove.depth)
     deep = replace(plan, piece=replace(plan.piece, groove=groove), drawn=None)
     deep = replace(deep, drawn=deep.piece)
-    write_cad(deep, folder, RUN_CAD_FORMATS, SILENT)
+    write_cad(deep, folder, ("step", "stl"), SILENT)
     # Mesh and STEP are the deep film's, which alone is not wrong.
     assert "resin_volume_difference" in failed(outcomes(folder, deep, plan_mask(plan)))
 

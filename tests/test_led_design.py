@@ -8,9 +8,10 @@ import pytest
 
 from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError
+from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import is_led_design, read_led_design
 from mpfcad.optics.library.file import read_library
-from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, CellMap, write_films
+from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, write_films
 from mpfcad.pipeline.led.search import TWO, LedSearch, Tried
 
 
@@ -29,7 +30,7 @@ def test_a_map_is_held_by_both_films_at_the_same_place(tmp_path):
     stack = read_stack("mini-led-4mm")
     write_films(
         design(tmp_path, "[constraint]\npiece_mm = 0.2\nlevels = 256\n"),
-        stack, "mini-led-4mm", CellMap(coefficient), tmp_path,
+        stack, "mini-led-4mm", CurvatureSeries(coefficient), tmp_path,
     )  # fmt: skip
     shipped = read_stack(tmp_path / STACK)
     assert shipped.files() == {"crossed_film": tmp_path / CROSSED}
@@ -41,7 +42,7 @@ def test_a_map_is_held_by_both_films_at_the_same_place(tmp_path):
         middle = np.array([np.interp(0.025, *section.T) for section in film.section])
         found = 2 * (film.high - middle[film.chosen]) / 0.025**2
         u, v = (np.arange(80) + 0.5) / 80, (np.arange(20) + 0.5) / 20
-        expected = CellMap(coefficient.T if turned else coefficient).at(u, v)
+        expected = CurvatureSeries(coefficient.T if turned else coefficient).at(u, v)
         means = [part.reshape(8, 10, 5, 4).mean(axis=(1, 3)) for part in (found, expected)]
         assert np.abs(means[0] - means[1]).max() < 0.02
 
@@ -65,7 +66,7 @@ def model(monkeypatch):
     answer = Model(bare)
 
     def attempt(self, coefficient):
-        chosen = CellMap(coefficient)
+        chosen = CurvatureSeries(coefficient)
         harmonic = answer(chosen)
 
         class Found:
@@ -114,7 +115,7 @@ def test_designs_that_cannot_be(tmp_path, text, words):
 def _even(curvature):
     coefficient = np.zeros((3, 3))
     coefficient[0, 0] = curvature
-    return CellMap(coefficient)
+    return CurvatureSeries(coefficient)
 
 
 def test_two_films_need_one_across_in_the_stack(tmp_path):
@@ -133,7 +134,7 @@ def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
     from mpfcad.pipeline.measure.case import Measuring, read_case
     from mpfcad.pipeline.measure.compare import compare_cases
     from mpfcad.pipeline.measure.measure import measure_film
-    from mpfcad.pipeline.plan.plan import read_plan
+    from mpfcad.pipeline.plan.tube import read_tube_plan
 
     case = read_case("mini-led-4mm")
     with pytest.raises(InputError, match="expected stacks of tubes"):
@@ -145,7 +146,7 @@ def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
         'schema = 1\nname = "j"\n[map]\ncurvature_per_mm = 60\n[stack]\npreset = "mini-led-4mm"\n'
     )
     with pytest.raises(InputError, match="expected a stack of tubes"):
-        read_plan(read_job(path), path)
+        read_tube_plan(read_job(path), path)
 
 
 @pytest.mark.slow

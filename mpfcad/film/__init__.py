@@ -13,14 +13,17 @@ from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature.file import read_curvature_table, write_curvature_map
 from mpfcad.film.curvature.map import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature.table import CurvatureTable, build_curvature_map
-from mpfcad.film.field.field import CurvatureField, FieldFilm
+from mpfcad.film.field.field import CurvatureField, FieldFilm, PanelField
 from mpfcad.film.field.file import (
     is_field_file,
+    read_curvature_cell,
     read_curvature_field,
     write_curvature_field,
 )
 from mpfcad.film.field.library import PieceLibrary, build_library
 from mpfcad.film.field.piece import FieldPiece, cut_piece
+from mpfcad.film.field.repeated import CurvatureCell, RepeatedField
+from mpfcad.film.field.series import CurvatureSeries
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.film.imperfection import Imperfection, build_section
@@ -55,8 +58,10 @@ __all__ = [
     "CellFilm",
     "CellShape",
     "Coupon",
+    "CurvatureCell",
     "CurvatureField",
     "CurvatureMap",
+    "CurvatureSeries",
     "CurvatureTable",
     "Extent",
     "FieldFilm",
@@ -65,6 +70,7 @@ __all__ = [
     "Imperfection",
     "Interval",
     "MadeFilm",
+    "PanelField",
     "PanelFilm",
     "PieceLibrary",
     "PrismFilm",
@@ -72,6 +78,7 @@ __all__ = [
     "Profile",
     "ReadingOption",
     "Repeat",
+    "RepeatedField",
     "Section",
     "StylusFit",
     "StylusTip",
@@ -93,6 +100,7 @@ __all__ = [
     "parse_columns",
     "parse_units",
     "prior_belief",
+    "read_curvature_cell",
     "read_curvature_field",
     "read_curvature_table",
     "read_process",

@@ -21,6 +21,10 @@ _Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rows = Annotated[list[_Row], Field(min_length=2)]
 #: Standard uncertainty [%] of the resin where neither process nor job states one.
 ASSUMED_RESIN = 10.0
+Series = Annotated[
+    list[Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]],
+    Field(min_length=1, max_length=32),
+]
 DEFAULT_PRESET = "thesis-32in-mpf"
 EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
 
@@ -28,21 +32,40 @@ EFFORTS: tuple[Effort, ...] = ("quick", "standard", "final")
 class MapTable(Table):
     """`[map]`: one curvature everywhere, or C over the lamp pitch or the panel: a file, or rows.
 
-    `rows` are pairs of position_mm and curvature_per_mm, as the lines of a file would be.
+    `rows` are pairs of position_mm and curvature_per_mm, as the lines of a file would be;
+    `series_per_mm` is c_ij of C = Σ c_ij cos(2πi x/Px) cos(2πj y/Py) over a cell of LEDs.
     """
+
+    MAY_LACK: ClassVar[bool] = False
 
     file: str | None = None
     curvature_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
     rows: Rows | None = None
-    extent: Literal["pitch", "panel"] = "pitch"
+    series_per_mm: Series | None = None
+    extent: Literal["pitch", "panel", "cell"] = "pitch"
     repeat: Literal["repeat", "mirror"] = "repeat"
 
     @model_validator(mode="after")
     def _one_source(self) -> "MapTable":
-        given = (self.file, self.curvature_per_mm, self.rows)
-        if sum(value is not None for value in given) != 1:
-            raise ValueError("expected exactly one of file, curvature_per_mm, rows")
+        given = (self.file, self.curvature_per_mm, self.rows, self.series_per_mm)
+        count = sum(value is not None for value in given)
+        if count > 1 or (count == 0 and not self.MAY_LACK):
+            raise ValueError("expected exactly one of file, curvature_per_mm, rows, series_per_mm")
+        if len({len(row) for row in self.series_per_mm or []}) > 1:
+            raise ValueError("series_per_mm: expected rows of one length")
         return self
+
+    @property
+    def is_given(self) -> bool:
+        """Whether it states a map."""
+        given = (self.file, self.curvature_per_mm, self.rows, self.series_per_mm)
+        return any(value is not None for value in given)
+
+
+class CrossedTable(MapTable):
+    """`[crossed]`: the printed film across the first; empty: the same C at the same place."""
+
+    MAY_LACK: ClassVar[bool] = True
 
 
 class CadTable(Table):
@@ -61,6 +84,8 @@ class CadTable(Table):
     start_along_mm: Annotated[float, Field(ge=0, le=2000)] | None = None
     sample_across_um: Annotated[Positive, Field(le=10_000)] | None = None
     sample_along_um: Annotated[Positive, Field(le=2_000_000)] | None = None
+    levels: Annotated[int, Field(ge=2, le=1024)] | None = None
+    piece_mm: Annotated[Positive, Field(le=10)] | None = None
 
     #: The fields that cut a window out of a map that varies along the grooves too.
     WINDOW: ClassVar[tuple[str, ...]] = ("width_mm", "start_across_mm", "start_along_mm")
@@ -229,6 +254,7 @@ class Job(Table):
     gates: GateTable = GateTable()
     trace: TraceTable = TraceTable()
     baseline: BaselineTable | None = None
+    crossed: CrossedTable | None = None
     confidence: ConfidenceTable | None = None
 
     @property

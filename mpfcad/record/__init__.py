@@ -9,6 +9,7 @@ from mpfcad.record.cell import describe_cell
 from mpfcad.record.difference import Rounded, compare_records
 from mpfcad.record.file import ResinCheck
 from mpfcad.record.junit import junit_report, write_junit
+from mpfcad.record.luminance import CONTRAST_FORMULA, describe_luminance
 from mpfcad.record.measurement import (
     MEASUREMENT_SCHEMA,
     describe_angular,
@@ -24,12 +25,10 @@ from mpfcad.record.measurement import (
 from mpfcad.record.published import SCHEMAS, published_schema
 from mpfcad.record.verdict import ORDER, in_order
 from mpfcad.record.verification import (
-    CONTRAST_FORMULA,
     Checks,
     build_gates,
     build_verification,
     confidence_gate,
-    describe_luminance,
 )
 
 __all__ = [

@@ -5,14 +5,22 @@ from typing import Any
 
 from mpfcad.measure import METERS, SCREEN_POINTS, Estimate
 from mpfcad.measure.cell.luminance import CellResult
+from mpfcad.measure.cell.visible import semu, worst_harmonic
+from mpfcad.record.luminance import CONTRAST_FORMULA
 from mpfcad.record.measurement import describe_estimate
-from mpfcad.record.verification import CONTRAST_FORMULA
 
 _HARMONICS = 3
+#: Of the eye [mm], where a job does not say.
+VIEWING_DISTANCE = 500.0
 
 
-def describe_cell(result: CellResult, seed: int) -> dict[str, Any]:
-    """Return the luminance over a cell and everything read off its Fourier series."""
+def describe_cell(
+    result: CellResult, seed: int, distance: float = VIEWING_DISTANCE
+) -> dict[str, Any]:
+    """Return the luminance over a cell and everything read off its Fourier series.
+
+    `distance` [mm] is that of the eye.
+    """
     series, (across, along) = result.series, result.size
     contrast = {**(describe_estimate(result.contrast) or {}), "formula": CONTRAST_FORMULA}
     pairs = [pair for pair in product(range(_HARMONICS + 1), repeat=2) if any(pair)]
@@ -37,9 +45,35 @@ def describe_cell(result: CellResult, seed: int) -> dict[str, Any]:
         "harmonic_amplitude": {
             f"{a}_across_{b}_along": describe_estimate(series.amplitude(a, b)) for a, b in pairs
         },
+        "visibility": _visibility(result, distance),
+        "semu": _semu(result),
         "energy": result.energy,
         "paths": int(result.paths),
         "accelerator": result.accelerator,
+    }
+
+
+def _visibility(result: CellResult, distance: float) -> dict[str, Any] | None:
+    """Return the worst harmonic for an eye at a distance [mm]; None without a harmonic."""
+    found = worst_harmonic(result.series, result.size, distance)
+    if found is None:
+        return None
+    across, along = found.harmonic
+    return {
+        "harmonic": f"{across}_across_{along}_along",
+        "wavelength_mm": found.wavelength,
+        "viewing_distance_mm": distance,
+        "threshold_contrast": found.threshold,
+        "over_threshold": describe_estimate(found.over_threshold),
+    }
+
+
+def _semu(result: CellResult) -> dict[str, Any]:
+    found = semu(result.series, result.size)
+    return {
+        "part": found.part,
+        "area_mm2": found.area,
+        "value": describe_estimate(found.value),
     }
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.cad.check.library import LibraryCheck
 from mpfcad.mask import MaskCheck
 from mpfcad.units import deg, um
 
@@ -93,6 +94,18 @@ def describe_mesh(check: MeshCheck | None) -> dict[str, Any] | None:
         "secant_error_deg_max": _in_deg(check.secant_error_max),
         "tip_error_um_max": float(check.tip_error_max / um),
         "normal_error_deg_max": float(check.normal_error_max / deg),
+    }
+
+
+def describe_library(check: LibraryCheck) -> dict[str, Any]:
+    """Return what a film of instances holds."""
+    return {
+        "pieces": len(check.volume),
+        "places": list(check.curvature.shape),
+        "triangle_count": sum(check.triangle_count.values()),
+        "curvature_min_per_mm": float(check.curvature.min()),
+        "curvature_max_per_mm": float(check.curvature.max()),
+        "volume_mm3": check.solid,
     }
 
 

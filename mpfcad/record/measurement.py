@@ -19,7 +19,7 @@ from mpfcad.measure import (
     harmonic_amplitude,
     relative_spread,
 )
-from mpfcad.record.verification import describe_luminance
+from mpfcad.record.luminance import describe_luminance
 from mpfcad.units import deg
 
 #: Of the records below; figures kept under another one are measured anew.

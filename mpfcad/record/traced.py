@@ -40,7 +40,7 @@ def traced_films(record: dict[str, Any]) -> list[TracedFilm]:
     if not base.get("is_own"):
         name = str(base.get("stack", "conventional"))
         films.append(TracedFilm(BASELINE, name, baseline_words(record), base))
-    return [film for film in films if film.found["luminance"]]
+    return [film for film in films if film.found["luminance"] or film.found.get("cell")]
 
 
 def baseline_words(record: dict[str, Any]) -> str:

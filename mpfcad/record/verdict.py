@@ -31,6 +31,7 @@ ORDER = (
     "mesh_normal_error_deg_rms",
     "mesh_height_error_um",
     "mesh_curvature_error_per_mm",
+    "library_as_written",
     "step_mesh_distance_um",
     "step_mesh_volume_difference",
     "mask_mesh_curvature_difference_per_mm",

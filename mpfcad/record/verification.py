@@ -9,25 +9,30 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.cad.check.library import LibraryCheck
 from mpfcad.gate import Gate, worst_outcome, yes_no
 from mpfcad.mask import MaskCheck
 from mpfcad.mask.screen.printing import Printing
-from mpfcad.measure import Estimate, LuminanceResult, Survey
+from mpfcad.measure import CellResult, LuminanceResult, Survey
 from mpfcad.measure.rounds import LOST_LIMIT
+from mpfcad.record.cell import describe_cell
 from mpfcad.record.file import (
     ResinCheck,
     describe_agreement,
+    describe_library,
     describe_masks,
     describe_mesh,
     describe_resin,
     describe_step,
 )
+from mpfcad.record.luminance import TRACE_KEYS, describe_luminance
 from mpfcad.record.printing import PrintLimits, mask_gates, print_gates, printability
 from mpfcad.record.survey import describe_survey
 from mpfcad.record.verdict import in_order
 
 SCHEMA = 1
-CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
+#: A luminance over what repeats.
+Traced = LuminanceResult | CellResult
 #: Limits of what is found from several files, and of the trace. Those of one file stand where it is
 #: checked, the contrast's are the job's.
 CURVATURE_LIMIT = 0.1
@@ -57,6 +62,12 @@ class Checks:
         whether the mesh that was traced is byte for byte the file in the export
     printing
         what the screen prints; None without a mask
+    library
+        check of film.3mf, a film of instances
+    traced
+        name of the file that was traced
+    crossed
+        of the printed film that lies across, if there is one
     """
 
     mask: Mapping[str, MaskCheck]
@@ -68,11 +79,24 @@ class Checks:
     resin: ResinCheck | None
     is_traced_file: bool
     printing: Printing | None = None
+    library: LibraryCheck | None = None
+    traced: str = "film.stl"
+    crossed: "Checks | None" = None
+
+    @property
+    def films(self) -> "tuple[Checks, ...]":
+        """The checks of each film, this one first."""
+        return (self,) if self.crossed is None else (self, self.crossed)
+
+    @property
+    def masks(self) -> dict[str, MaskCheck]:
+        """The checks of the mask files of all films."""
+        return {name: check for film in self.films for name, check in film.mask.items()}
 
 
 def build_gates(
     checks: Checks,
-    luminance: LuminanceResult | None,
+    luminance: Traced | None,
     *,
     contrast_pass: float,
     contrast_marginal: float,
@@ -82,27 +106,38 @@ def build_gates(
 
     Without a mesh that can be traced there is no `luminance`, and the contrast is not decided.
     """
-    difference, resin = checks.curvature_difference, checks.resin
-    gates = [contrast_gate(luminance, contrast_pass, contrast_marginal), *checks.gates]
-    gates += mask_gates(checks.mask)
-    gates += print_gates(checks.printing, checks.mask, print_limits)
-    if difference is not None:
-        name = "mask_mesh_curvature_difference_per_mm"
-        gates.append(Gate(name, difference, CURVATURE_LIMIT, detail="film.stl"))
-    if resin is not None:
-        name = "resin_volume_difference"
-        gates.append(Gate(name, resin.difference, RESIN_LIMIT, detail="film.stl"))
+    gates = [contrast_gate(luminance, contrast_pass, contrast_marginal, checks.traced)]
+    for film in checks.films:
+        gates += _film_gates(film, luminance is not None, print_limits)
     if luminance is not None:
-        gates.append(yes_no("traced_file_is_shipped_file", checks.is_traced_file, "film.stl"))
         gates += energy_gates(luminance.energy)
     return in_order(gates)
 
 
-def contrast_gate(luminance: LuminanceResult | None, limit: float, marginal: float) -> Gate:
+def _film_gates(checks: Checks, is_traced: bool, limits: PrintLimits) -> list[Gate]:
+    """Return the gates of one film's files."""
+    difference, resin = checks.curvature_difference, checks.resin
+    gates = [*checks.gates, *mask_gates(checks.mask)]
+    gates += print_gates(checks.printing, checks.mask, limits)
+    if difference is not None:
+        name = "mask_mesh_curvature_difference_per_mm"
+        gates.append(Gate(name, difference, CURVATURE_LIMIT, detail=checks.traced))
+    if resin is not None:
+        name = "resin_volume_difference"
+        gates.append(Gate(name, resin.difference, RESIN_LIMIT, detail=checks.traced))
+    if is_traced:
+        same = checks.is_traced_file
+        gates.append(yes_no("traced_file_is_shipped_file", same, checks.traced))
+    return gates
+
+
+def contrast_gate(
+    luminance: Traced | None, limit: float, marginal: float, traced: str = "film.stl"
+) -> Gate:
     """Return the gate of the lamp-Mura contrast."""
     if luminance is None:
         return Gate(
-            "lamp_mura_contrast", None, limit, None, marginal, detail="film.stl: not traced"
+            "lamp_mura_contrast", None, limit, None, marginal, detail=f"{traced}: not traced"
         )
     found = luminance.contrast
     return Gate("lamp_mura_contrast", found.value, limit, (found.low, found.high), marginal)
@@ -129,9 +164,11 @@ def build_verification(
     name: str,
     gates: list[Gate],
     checks: Checks,
-    luminance: LuminanceResult | None,
-    plain: LuminanceResult,
-    baseline: LuminanceResult,
+    seed: int,
+    distance: float,
+    luminance: Traced | None,
+    plain: Traced,
+    baseline: Traced,
     baseline_stack: str,
     baseline_is_own: bool,
     eye: dict[str, Any] | None,
@@ -152,20 +189,20 @@ def build_verification(
         "verdict": worst_outcome(gates),
         "printability": printability(checks.printing, gates),
         "gates": [gate.document() for gate in gates],
-        **describe_luminance(luminance),
+        **describe_traced(luminance, seed, distance),
         "directions": None if survey is None else describe_survey(survey),
         "facets": facets,
         "eye": eye,
-        "plain": describe_luminance(plain),
+        "plain": describe_traced(plain, seed, distance),
         "baseline": {
             "stack": baseline_stack,
             "film": "BEF",
             "is_own": baseline_is_own,
             "words": f"a plain BEF in {'this backlight' if baseline_is_own else baseline_stack}",
-            **describe_luminance(baseline),
+            **describe_traced(baseline, seed, distance),
         },
         "relative_luminance": _relative(luminance, baseline),
-        "mask": describe_masks(checks.mask, curvature),
+        "mask": describe_masks(checks.masks, curvature),
         "step": describe_step(checks.step),
         "mesh": describe_mesh(checks.mesh),
         "step_mesh": describe_agreement(checks.agreement),
@@ -173,6 +210,8 @@ def build_verification(
         "resin": describe_resin(checks.resin),
         "process": process,
         "printing": None if checks.printing is None else checks.printing.document(),
+        **({} if checks.library is None else {"library": describe_library(checks.library)}),
+        **({} if checks.crossed is None else {"crossed": _describe_crossed(checks.crossed)}),
         **({} if confidence is None else {"confidence": confidence}),
         **({} if printed is None else {"printed": printed}),
         "inputs": inputs,
@@ -181,77 +220,32 @@ def build_verification(
     }
 
 
-def _relative(luminance: LuminanceResult | None, baseline: LuminanceResult) -> float | None:
+def _describe_crossed(checks: Checks) -> dict[str, Any]:
+    """Return what the files of the film that lies across turned out to be."""
+    return {
+        "library": None if checks.library is None else describe_library(checks.library),
+        "mask_mesh_curvature_difference_per_mm": checks.curvature_difference,
+        "resin": describe_resin(checks.resin),
+        "printing": None if checks.printing is None else checks.printing.document(),
+    }
+
+
+def _relative(luminance: Traced | None, baseline: Traced) -> float | None:
     if luminance is None:
         return None
     return luminance.mean_luminance.value / baseline.mean_luminance.value
 
 
-#: The figures of a trace; each is null where there was nothing to trace.
-TRACE_KEYS = (
-    "luminance",
-    "degrees_of_freedom",
-    "fit",
-    "lamp_mura_contrast",
-    "mean_luminance_cd_m2",
-    "energy",
-    "paths",
-    "convergence",
-    "accelerator",
-)
+def describe_traced(result: Traced | None, seed: int, distance: float) -> dict[str, Any]:
+    """Return the figures of a trace over a lamp pitch, or over a cell of LEDs.
 
-
-def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
-    """Return the figures of a trace in outside names."""
-    if result is None:
-        return dict.fromkeys(TRACE_KEYS)
-    return {
-        "luminance": {
-            "position_pitch": _numbers(result.position_pitch),
-            "luminance_cd_m2": _numbers(result.luminance),
-            "standard_error_cd_m2": _numbers(result.standard_error),
-        },
-        "degrees_of_freedom": float(result.freedom),
-        "fit": {
-            "coefficient_cd_m2": _numbers(result.fit.coefficient),
-            "chi2_excess": float(result.fit.chi2_excess),
-        },
-        "curve": {
-            "luminance_cd_m2": _numbers(result.central_curve),
-            "values": result.curve.values,
-            "misfit": result.curve.misfit,
-            "smoothed": not result.curve.is_sharp,
-        },
-        "meter": result.spot.describe(),
-        "pitches": [_estimate(one) for one in result.pitches],
-        "lamp_mura_contrast": {**_estimate(result.contrast), "formula": CONTRAST_FORMULA},
-        "mean_luminance_cd_m2": _estimate(result.mean_luminance),
-        "energy": _plain(result.energy),
-        "paths": int(result.paths),
-        "convergence": {
-            "paths": [int(row[0]) for row in result.convergence],
-            "contrast": _numbers(result.convergence[:, 1]),
-            "ci95": [_numbers(row[2:]) for row in result.convergence],
-        },
-        "accelerator": result.accelerator,
-    }
+    Of a cell there is no curve: `luminance` is null and `cell` has the map.
+    """
+    if isinstance(result, CellResult):
+        return {**dict.fromkeys(TRACE_KEYS), **describe_cell(result, seed, distance)}
+    return describe_luminance(result)
 
 
 def _imbalance(energy: dict[str, Any]) -> float:
     """Return |in - out - absorbed - lost| in standard errors."""
     return float(abs(energy["imbalance"]) / max(energy["imbalance_standard_error"], 1e-12))
-
-
-def _estimate(estimate: Estimate) -> dict[str, Any]:
-    return {"value": float(estimate.value), "ci95": [float(estimate.low), float(estimate.high)]}
-
-
-def _numbers(values: Any) -> list[float]:
-    return [float(value) for value in values]
-
-
-def _plain(value: Any) -> Any:
-    """Return nested tables of numpy scalars as plain numbers."""
-    if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
-    return value if isinstance(value, int | str) else float(value)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.check.mesh_file_check import BodyCheck, body_volume, check_volume, merged_height
 from mpfcad.errors import ExportError
-from mpfcad.film import PieceLibrary
+from mpfcad.film import PieceLibrary, PrismFilm
 
 #: A corner may be off the surface by so many steps of float32, in x and z.
 STEPS = 4
@@ -37,6 +37,22 @@ class PlacedPieces:
     open_piece: int | None
     number: NDArray[np.int64]
     place: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LibraryCheck(BodyCheck):
+    """What a library file was found to hold, of its pieces and over all places.
+
+    Attributes
+    ----------
+    solid
+        volume [mm³] of all instances together
+    curvature
+        (n, m) float64 [1/mm], C through the tips of the piece at each place, by its lowest corner
+    """
+
+    solid: float
+    curvature: NDArray[np.float64]
 
 
 def read_pieces(path: Path) -> PlacedPieces:
@@ -84,7 +100,7 @@ def _shift(path: Path, item: Any) -> NDArray[np.float64]:
     return table[3, :2]
 
 
-def check_library(path: Path, library: PieceLibrary) -> BodyCheck:
+def check_library(path: Path, library: PieceLibrary) -> LibraryCheck:
     """Return what the 3MF file at `path` holds, once it is found to be `library`.
 
     Raises
@@ -98,7 +114,7 @@ def check_library(path: Path, library: PieceLibrary) -> BodyCheck:
     if found.open_piece is not None:
         raise ExportError(f"{path.name}: piece {found.open_piece}: not closed and oriented")
     _check_places(path, library, found)
-    volume, count = {}, {}
+    volume, count, curvature = {}, {}, np.zeros(len(library.curvature))
     # The file's pieces are those in use, in their order.
     for identity, number in zip(sorted(found.point), np.unique(library.chosen), strict=True):
         piece, point = library.piece(int(number)), found.point[identity]
@@ -111,7 +127,20 @@ def check_library(path: Path, library: PieceLibrary) -> BodyCheck:
         step = float(np.spacing(np.float32(max(piece.thickness, library.length))))
         room = STEPS * (1 + piece.groove.wall_slope) * step + merged_height(piece)
         refuse_above(path, f"{name}: height error [mm]", off, room)
-    return BodyCheck(volume, count)
+        curvature[number] = _curvature(top, piece)
+    each = np.array(list(volume.values()))
+    _, kind = np.unique(library.chosen, return_inverse=True)
+    return LibraryCheck(volume, count, float(each[np.ravel(kind)].sum()), curvature[library.chosen])
+
+
+def _curvature(top: NDArray[np.float64], piece: PrismFilm) -> float:
+    """Return C [1/mm] through the tips by the lowest corner, which the parabola holds.
+
+    z = thickness - C/2 (w² - x²), x from the groove's middle and w half of the pitch.
+    """
+    x, _, z = top[np.argmin(top[:, 2])]
+    half = piece.groove.half_width
+    return float(2 * (piece.thickness - z) / (half**2 - (x - half) ** 2))
 
 
 def _check_places(path: Path, library: PieceLibrary, found: PlacedPieces) -> None:
@@ -133,3 +162,16 @@ def _check_places(path: Path, library: PieceLibrary, found: PlacedPieces) -> Non
             f"{path.name}: instance {wrong[0]} is piece {found.number[wrong[0]]}: expected "
             f"{identity[wrong[0]]}"
         )
+
+
+def mean_difference(library: PieceLibrary, found: NDArray[np.float64], side: float) -> float:
+    """Return the largest difference [1/mm] of C found (n, m) from the map's, mean over squares.
+
+    Pieces are rounded to few curvatures, and what is left is handed on: means are what they keep.
+    `side` [mm] of the squares, of whole pieces, one at least.
+    """
+    step = [max(1, round(side / size)) for size in (library.groove.pitch, library.length)]
+    edge = [np.arange(0, count, by) for count, by in zip(found.shape, step, strict=True)]
+    off = np.add.reduceat(np.add.reduceat(found - library.wanted, edge[0], 0), edge[1], 1)
+    count = [np.diff(np.append(e, n)) for e, n in zip(edge, found.shape, strict=True)]
+    return float(np.abs(off / np.outer(*count)).max())

@@ -99,8 +99,9 @@ def command(
     with Terminal() as terminal:
         screen = make_planned_mask(planned, job_file, folder, chosen, terminal)
     print_gates(screen)
-    for name in (*(f"mask.{suffix}" for suffix in chosen), "order.pdf"):
-        print(folder / name)
+    for one in planned.masks:
+        for name in (*(f"{one.stem}.{suffix}" for suffix in chosen), one.order_file):
+            print(folder / name)
     outcomes = {gate["outcome"] for gate in screen["gates"]}
     return 1 if outcomes & {"FAIL", "INCONCLUSIVE"} else 0
 

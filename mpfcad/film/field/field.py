@@ -6,7 +6,7 @@ together: a 32-inch panel has over a hundred million cells.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,39 @@ from numpy.typing import ArrayLike, NDArray
 from mpfcad.errors import InputError
 from mpfcad.film.groove import PROFILES, Groove, Profile
 from mpfcad.sound import refuse_unknown, refuse_unsound
+
+
+class PanelField(Protocol):
+    """A curvature over the panel, however it is held; lengths in mm from the lower left corner."""
+
+    @property
+    def across(self) -> NDArray[np.float64]:
+        """Nodes across, (mx,) float64."""
+
+    @property
+    def along(self) -> NDArray[np.float64]:
+        """Nodes along, (my,) float64."""
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """Every curvature that there is, along by across, float64 [1/mm]."""
+
+    @property
+    def content(self) -> tuple[NDArray[np.float64], ...]:
+        """The arrays that define the curvature; that of the curvatures [1/mm] is the last."""
+
+    @property
+    def stored(self) -> tuple[NDArray[np.float64], ...]:
+        """What its file holds: positions across and along, and curvatures along by across."""
+
+    def on_grooves(self, position: ArrayLike) -> NDArray[np.float64]:
+        """Return the curvature [1/mm] at the nodes along of grooves at `position`, (n, my)."""
+
+    def extremes(self, position: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
+        """Return the smallest and largest curvature [1/mm] of grooves at `position`, (n,)."""
+
+    def at(self, across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
+        """Return the curvature [1/mm] at points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +87,25 @@ class CurvatureField:
         left, right = self.curvature[:, index], self.curvature[:, index + 1]
         return np.ascontiguousarray((left + weight * (right - left)).T)
 
+    @property
+    def content(self) -> tuple[NDArray[np.float64], ...]:
+        """The nodes across and along [mm], and the curvatures, (my, mx) [1/mm]."""
+        return self.across, self.along, self.curvature
+
+    @property
+    def stored(self) -> tuple[NDArray[np.float64], ...]:
+        """What its file holds: all of it."""
+        return self.content
+
+    def at(self, across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
+        """Return the curvature [1/mm] at points [mm]."""
+        i, u = bracket(self.across, across)
+        j, v = bracket(self.along, along)
+        c = self.curvature
+        low = c[j, i] + u * (c[j, i + 1] - c[j, i])
+        high = c[j + 1, i] + u * (c[j + 1, i + 1] - c[j + 1, i])
+        return low + v * (high - low)
+
     def extremes(self, position: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
         """Return the smallest and largest curvature [1/mm] of grooves at `position` mm, (n,)."""
         low, high = np.empty(len(position)), np.empty(len(position))
@@ -91,7 +143,7 @@ class FieldFilm:
     groove: Groove
     length: float
     groove_count: int
-    field: CurvatureField
+    field: PanelField
     profile: Profile = "filled"
     varies_along: ClassVar[bool] = True
 
@@ -118,7 +170,7 @@ class FieldFilm:
     @property
     def content(self) -> tuple[NDArray[np.float64], ...]:
         """The field's nodes across and along [mm], and its curvatures, (my, mx) [1/mm]."""
-        return self.field.across, self.field.along, self.field.curvature
+        return self.field.content
 
     def extremes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return smallest and largest curvature of each groove, (n,) float64 [1/mm]."""
@@ -130,9 +182,4 @@ class FieldFilm:
 
     def curvature_at(self, across: ArrayLike, along: ArrayLike) -> NDArray[np.float64]:
         """Return the curvature [1/mm] at points [mm]."""
-        i, u = bracket(self.field.across, across)
-        j, v = bracket(self.field.along, along)
-        c = self.field.curvature
-        low = c[j, i] + u * (c[j, i + 1] - c[j, i])
-        high = c[j + 1, i] + u * (c[j + 1, i + 1] - c[j + 1, i])
-        return low + v * (high - low)
+        return self.field.at(across, along)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from mpfcad.boundary.npz import has_array, read_arrays
 from mpfcad.errors import InputError
 from mpfcad.film.curvature.map import find_bad_curvature
-from mpfcad.film.field.field import CurvatureField
+from mpfcad.film.field.field import CurvatureField, PanelField
+from mpfcad.film.field.repeated import CurvatureCell
 from mpfcad.film.groove import Groove, Profile
 
 FIELD_ARRAYS = ("position_across_mm", "position_along_mm", "curvature_per_mm")
@@ -34,6 +35,16 @@ def read_curvature_field(
         one line with file, array, entry, value and expected range.
     """
     path = Path(path)
+    across, along, curvature = _read_field(path, profile, groove)
+    _check_position(path, FIELD_ARRAYS[0], across, panel_width, groove.pitch)
+    _check_position(path, FIELD_ARRAYS[1], along, panel_length, groove.pitch)
+    return CurvatureField(across, along, curvature)
+
+
+def _read_field(
+    path: Path, profile: Profile, groove: Groove
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return positions across and along, and curvatures along by across, that a film can have."""
     across, along, curvature = read_arrays(path, FIELD_ARRAYS)
     for name, values, dimension in zip(
         FIELD_ARRAYS, (across, along, curvature), (1, 1, 2), strict=True
@@ -48,21 +59,21 @@ def read_curvature_field(
             f"{path}: array {FIELD_ARRAYS[2]}: shape {curvature.shape}: expected "
             f"{(len(along), len(across))}, along by across"
         )
-    _check_position(path, FIELD_ARRAYS[0], across, panel_width, groove.pitch)
-    _check_position(path, FIELD_ARRAYS[1], along, panel_length, groove.pitch)
     trouble = find_bad_curvature(curvature.astype(float).ravel(), groove, profile)
     if trouble:
         row, column = divmod(trouble[0], len(across))
         raise InputError(
             f"{path}: {FIELD_ARRAYS[2]}[{row}, {column}] (counted from 0): {trouble[1]}"
         )
-    return CurvatureField(across, along, curvature)
+    return across, along, curvature
 
 
-def write_curvature_field(path: Path, field: CurvatureField) -> None:
-    """Write a field so that it reads back bit for bit; same field, same bytes."""
-    arrays = (field.across, field.along, field.curvature)
-    named: dict[str, Any] = dict(zip(FIELD_ARRAYS, arrays, strict=True))
+def write_curvature_field(path: Path, field: PanelField) -> None:
+    """Write a field so that it reads back bit for bit; same field, same bytes.
+
+    Of one that repeats it is the cell, positions from its LED.
+    """
+    named: dict[str, Any] = dict(zip(FIELD_ARRAYS, field.stored, strict=True))
     np.savez(path, **named)
 
 
@@ -80,3 +91,29 @@ def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: fl
         raise InputError(
             f"{path}: array {name}: {x[0]:g} … {x[-1]:g}: expected to cover 0 … {end:.10g} mm"
         )
+
+
+def read_curvature_cell(
+    path: Path, *, profile: Profile, groove: Groove, size: tuple[float, float]
+) -> CurvatureCell:
+    """Read a map over a cell of LEDs from an NPZ with the arrays of a field.
+
+    Positions are from the LED at the cell's corner and within the cell, `size` [mm]; the map
+    repeats, so no node has to stand at the cell's end.
+
+    Raises
+    ------
+    InputError
+        one line with file, array, entry, value and expected range.
+    """
+    across, along, curvature = _read_field(Path(path), profile, groove)
+    for name, x, end in zip(FIELD_ARRAYS, (across, along), size, strict=False):
+        bad = np.flatnonzero(
+            ~np.isfinite(x) | (np.diff(x, prepend=-np.inf) <= 0) | (x < 0) | (x > end * (1 + 1e-9))
+        )
+        if bad.size:
+            raise InputError(
+                f"{path}: {name}[{bad[0]}] (counted from 0): {x[bad[0]]:g}: expected increasing, "
+                f"0 … {end:.10g} mm from the LED"
+            )
+    return CurvatureCell(across / size[0], along / size[1], curvature.astype(float))

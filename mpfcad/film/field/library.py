@@ -32,6 +32,8 @@ class PieceLibrary:
         (k,) float64 [1/mm], C through the tips of each piece
     chosen
         (n, m) int64, the piece at each place across and along, from the lower left corner
+    wanted
+        (n, m) float64 [1/mm], the map that was rounded
     """
 
     groove: Groove
@@ -39,12 +41,19 @@ class PieceLibrary:
     length: float
     curvature: NDArray[np.float64]
     chosen: NDArray[np.int64]
+    wanted: NDArray[np.float64]
 
     @property
     def size(self) -> tuple[float, float]:
         """Extent [mm] across and along."""
         across, along = self.chosen.shape
         return across * self.groove.pitch, along * self.length
+
+    @property
+    def bare_volume(self) -> float:
+        """Volume of the prisms without resin [mm³]."""
+        width, length = self.size
+        return (self.base + self.groove.depth / 2) * width * length
 
     @property
     def fill_fraction(self) -> float:
@@ -73,16 +82,17 @@ def build_library(
     if not np.isfinite(wanted).all() or low < 0 or high > most:
         raise InputError(f"map: C {low:.4g} … {high:.4g} /mm: expected 0 … {most:.6g} /mm")
     if high - low < 1e-9:
-        return PieceLibrary(groove, base, length, np.array([low]), np.zeros(wanted.shape, np.int64))
+        alone = np.zeros(wanted.shape, np.int64)
+        return PieceLibrary(groove, base, length, np.array([low]), alone, wanted)
     level = np.linspace(low, high, max(2, levels))
     n, m = wanted.shape
     mirrored = np.allclose(wanted, wanted[::-1]) and np.allclose(wanted, wanted[:, ::-1])
     if not mirrored:
-        return PieceLibrary(groove, base, length, level, diffused(wanted, level))
+        return PieceLibrary(groove, base, length, level, diffused(wanted, level), wanted)
     quarter = diffused(wanted[: -(-n // 2), : -(-m // 2)], level)
     half = np.concatenate([quarter, quarter[: n // 2][::-1]])
     chosen = np.concatenate([half, half[:, : m // 2][:, ::-1]], axis=1)
-    return PieceLibrary(groove, base, length, level, chosen)
+    return PieceLibrary(groove, base, length, level, chosen, wanted)
 
 
 def diffused(wanted: NDArray[np.float64], level: NDArray[np.float64]) -> NDArray[np.int64]:

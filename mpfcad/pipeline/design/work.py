@@ -27,9 +27,10 @@ from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
 from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.effort import NO_GOAL
-from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack
 from mpfcad.pipeline.plan.process import read_job_process
 from mpfcad.pipeline.plan.screen import screen_mesh
+from mpfcad.pipeline.plan.tube import read_tube_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad
 from mpfcad.record.printing import PHOTOTOOL_ONLY
@@ -172,7 +173,7 @@ class DesignWork:
         file = folder / "map.csv"
         self.write_map(file, rows)
         document = self.design.job_document(str(file.resolve()))
-        return read_plan(build_job(document, str(self.file)), self.file)
+        return read_tube_plan(build_job(document, str(self.file)), self.file)
 
     def write_map(self, file: Path, rows: NDArray[np.float64]) -> None:
         """Write rows of C [1/mm] as a curvature map over one lamp pitch."""

@@ -56,13 +56,15 @@ class Kind(ABC):
 
     Attributes
     ----------
-    formats
-        suffixes of the CAD files that it is written in
+    formats, run_formats
+        suffixes of the CAD files that it is written in, and of those that a run makes; the last of
+        these is traced
     section_title, shows_grooves, no_mask, view_words
         what a page says of it, as `report.film.kind.FilmKind` has it
     """
 
     formats: tuple[str, ...] = ("step", "stl")
+    run_formats: tuple[str, ...] = ("step", "stl")
     film: Any
     section_title = "The first groove of the piece"
     shows_grooves = True

@@ -13,6 +13,9 @@ from mpfcad.pipeline.kind.base import Check, Kind, Print
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.record import ResinCheck
 
+#: Side of the squares [mm] over which the rounded curvatures are compared with the map.
+SQUARE = 1.0
+
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
@@ -21,10 +24,10 @@ class PieceGrooves(Kind):
     """A film of groove pieces whose instances alone say where they stand: 3MF can hold that."""
 
     formats: tuple[str, ...] = ("3mf",)
+    run_formats: tuple[str, ...] = ("3mf",)
     film: PieceLibrary
     section_title = "The piece at the film's lower left corner"
     shows_grooves = False
-    no_mask = "a film of instances has no mask: expected a map C(x, y) for one"
     view_words = view_text("Grooves", "in true proportion", "film.3mf")
 
     def write(self, path: Path, name: str) -> None:
@@ -58,10 +61,24 @@ class PieceGrooves(Kind):
     def curvature_difference(
         self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
     ) -> float | None:
-        return None
+        from mpfcad.cad.check.library import mean_difference
+
+        off = mean_difference(self.film, found, SQUARE)
+        if given is None:
+            return off
+        wanted = given.process.curvature(given.wanted)
+        means = [given.process.curvature(ratio) - wanted for ratio in given.ratio.values()]
+        return off + max(float(np.abs(mean).max()) for mean in means)
 
     def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
-        return None
+        film, found = self.film, super().resin(mesh_volume, given)
+        if found is None:
+            return None
+        # A mask tells of whole grooves: what it gives more than is wanted, on top of the map's.
+        by_map = found.full * float(np.mean(film.groove.fill_fraction(film.wanted)))
+        whole = found.full * float(np.mean(given.process.fill_fraction(given.wanted)))
+        by_mask = {name: by_map + volume - whole for name, volume in found.by_mask.items()}
+        return ResinCheck(by_mask, found.in_mesh, found.full)
 
     @property
     def extent(self) -> str:

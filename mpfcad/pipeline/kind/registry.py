@@ -20,7 +20,7 @@ KINDS: dict[type, type[Kind]] = {
 }
 
 
-def kind_of(film: Drawn | PieceLibrary, table: CadTable) -> Kind:
+def kind_of(film: Drawn, table: CadTable) -> Kind:
     """Return the kind of a film, drawn as the job's `[cad]` says.
 
     Raises

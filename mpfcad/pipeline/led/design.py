@@ -10,7 +10,7 @@ import numpy as np
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
-from mpfcad.film import PieceLibrary
+from mpfcad.film import CurvatureSeries, PieceLibrary
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
@@ -18,7 +18,6 @@ from mpfcad.pipeline.led.film import (
     CROSSED,
     FILM,
     STACK,
-    CellMap,
     check_films,
     shown_films,
     write_films,
@@ -64,7 +63,7 @@ def run_led_design(
             return str(design.stack.preset)
         return os.path.relpath(design_file.parent / design.stack.file, folder)
 
-    def tried(chosen: CellMap) -> CellResult:
+    def tried(chosen: CurvatureSeries) -> CellResult:
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
             write_films(design, stack, base(folder), chosen, folder)

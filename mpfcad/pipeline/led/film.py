@@ -1,55 +1,27 @@
 """The films of a design for LEDs as files: 3MF libraries, and the stack that holds them."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mpfcad.backlight import Stack
 from mpfcad.backlight.layer import OWN_VALUES
-from mpfcad.errors import InputError
-from mpfcad.film import Groove, PieceLibrary, build_library
+from mpfcad.film import CurvatureSeries, PieceLibrary, build_library
 from mpfcad.job import CadTable
 from mpfcad.job.led_design import LedDesign
 from mpfcad.pipeline.kind import kind_of
+from mpfcad.pipeline.plan.cell import CellFrame, crossed_layer, wanted_over
 
 if TYPE_CHECKING:
     from mpfcad.report.page.led_page import ShownFilm
 
 FILM, CROSSED, STACK = "film.3mf", "film-crossed.3mf", "stack.toml"
-#: How far a cell may be from whole grooves [mm].
-_ROOM = 1e-6
 #: Facets within half a degree, the standard of a job's `[cad]`.
 _CAD = CadTable()
 
 
-@dataclass(frozen=True, eq=False)
-class CellMap:
-    """C(x, y) over a cell as a series of cosines, the LED at x = y = 0.
-
-    Attributes
-    ----------
-    coefficient
-        (h+1, h+1) float64 [1/mm], of cos 2πi x/Px · cos 2πj y/Py
-    """
-
-    coefficient: NDArray[np.float64]
-
-    def at(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return C [1/mm] at all of u by all of v in periods, (n, m)."""
-        order = np.arange(len(self.coefficient))
-        across, along = (np.cos(2 * np.pi * np.outer(place, order)) for place in (u, v))
-        return np.asarray(across @ self.coefficient @ along.T)
-
-    @property
-    def turned(self) -> "CellMap":
-        """The same map as a film sees it that lies across."""
-        return CellMap(self.coefficient.T.copy())
-
-
-def library_of(design: LedDesign, field: CellMap, size: tuple[float, float]) -> PieceLibrary:
+def library_of(
+    design: LedDesign, field: CurvatureSeries, size: tuple[float, float]
+) -> PieceLibrary:
     """Return the film of a map over a cell of `size` [mm] along and across its own axes.
 
     Raises
@@ -57,22 +29,14 @@ def library_of(design: LedDesign, field: CellMap, size: tuple[float, float]) -> 
     InputError
         when the cell is no whole number of grooves, or a curvature cannot be had.
     """
-    groove = Groove(design.film.pitch, design.film.depth)
-    count = round(size[0] / groove.pitch)
-    if abs(count * groove.pitch - size[0]) > _ROOM:
-        raise InputError(
-            f"{design.name}: film.pitch_um: {groove.pitch * 1e3:g}: the LEDs' cell is "
-            f"{size[0]:g} mm: expected a whole number of grooves"
-        )
-    pieces = max(1, round(size[1] / design.constraint.piece_mm))
-    wanted = field.at((np.arange(count) + 0.5) / count, (np.arange(pieces) + 0.5) / pieces)
-    return build_library(
-        groove, design.film.base, size[1] / pieces, wanted, design.constraint.levels
-    )
+    groove, frame = design.film.groove, CellFrame(size, size, (0.0, 0.0))
+    wanted = wanted_over(field.at, frame, groove.pitch, design.constraint.piece_mm, design.name)
+    length = size[1] / wanted.shape[1]
+    return build_library(groove, design.film.base, length, wanted, design.constraint.levels)
 
 
 def write_films(
-    design: LedDesign, stack: Stack, base: str, field: CellMap, folder: Path
+    design: LedDesign, stack: Stack, base: str, field: CurvatureSeries, folder: Path
 ) -> list[PieceLibrary]:
     """Write the films and the stack that holds them; return the films.
 
@@ -88,7 +52,7 @@ def write_films(
     kind_of(films[0], _CAD).write(folder / FILM, design.name)
     crossed = None
     if design.films == 2:
-        crossed = _crossed_layer(design, stack)
+        crossed = crossed_layer(stack, f"{design.name}: films: 2")
         films.append(library_of(design, field.turned, (along, across)))
         kind_of(films[1], _CAD).write(folder / CROSSED, f"{design.name} crossed")
     (folder / STACK).write_bytes(_stack_text(stack, base, crossed).encode())
@@ -115,17 +79,6 @@ def shown_films(films: list[PieceLibrary], folder: Path) -> "list[ShownFilm]":
         ShownFilm(kind_of(film, _CAD), folder / name, film.piece(int(film.chosen[0, 0])))
         for film, name in zip(films, (FILM, CROSSED), strict=False)
     ]
-
-
-def _crossed_layer(design: LedDesign, stack: Stack) -> str:
-    for name, layer in stack.own.items():
-        turned = stack.kind_of(name) == "film" and layer.file is None and not stack.is_slot(name)
-        if turned and abs(abs(stack[f"{name}.rotation_deg"]) - 90) < 1e-9:
-            return name
-    raise InputError(
-        f"{design.name}: films: 2: stack {stack.name} has no film across: expected a layer of kind "
-        "bef with rotation_deg 90"
-    )
 
 
 def _stack_text(stack: Stack, base: str, crossed: str | None) -> str:

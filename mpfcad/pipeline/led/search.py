@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult
-from mpfcad.pipeline.led.film import CellMap
 
 #: Response of ln L to C [mm] of one film; of two at C = 74 /mm, and over which C it doubles [1/mm].
 ONE, TWO, AT, DOUBLES = -0.0028, -0.018, 74.0, 10.0
@@ -37,7 +37,7 @@ class Tried:
         (h+1, h+1) float64, amplitudes of the luminance's cosines over the mean
     """
 
-    map: CellMap
+    map: CurvatureSeries
     found: CellResult
     harmonic: NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class LedSearch:
     """Tries maps by a trace from files; `tried` holds them in their order."""
 
     design: LedDesign
-    trace: Callable[[CellMap], CellResult]
+    trace: Callable[[CurvatureSeries], CellResult]
     tried: list[Tried] = field(default_factory=list)
 
     @property
@@ -89,7 +89,7 @@ class LedSearch:
         place = np.arange(64) / 64
         pattern = coefficient.copy()
         pattern[0, 0] = 0.0
-        value = CellMap(pattern).at(place, place)
+        value = CurvatureSeries(pattern).at(place, place)
         mean = coefficient[0, 0]
         room = (limit.curvature_max_per_mm - mean, mean - limit.curvature_min_per_mm)
         reach = (float(value.max()), float(-value.min()))
@@ -99,7 +99,7 @@ class LedSearch:
         return held
 
     def _try(self, coefficient: NDArray[np.float64]) -> Tried:
-        chosen = CellMap(coefficient)
+        chosen = CurvatureSeries(coefficient)
         found = self.trace(chosen)
         tried = Tried(chosen, found, cosines(found, len(coefficient)))
         self.tried.append(tried)

@@ -109,6 +109,7 @@ def _plain_case(stack: Stack) -> Case:
 
 def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Case:
     from mpfcad.backlight.stored import restore_stack
+    from mpfcad.pipeline.plan.cell import with_crossed
 
     try:
         manifest = check_manifest(folder)
@@ -121,8 +122,12 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
         raise InputError(str(error)) from None
     own = restore_stack(record["job"]["stack"]).with_files_in(folder)
     placed = _placed(own, stack, thickness).with_prism(own.prism)
-    offset = record["provenance"]["traced"]["offset_mm"]
-    return Case(record["name"], "film.stl", light_film(placed, folder / "film.stl", offset))
+    across = folder / "film-crossed.3mf"
+    if record.get("crossed") is not None:
+        placed = with_crossed(placed, across)
+    traced = record["provenance"]["traced"]
+    file = folder / traced["file"]
+    return Case(record["name"], file.name, light_film(placed, file, traced["offset_mm"]))
 
 
 def job_case(
@@ -138,6 +143,8 @@ def job_case(
     InputError
         when the job or a file it names is wrong.
     """
+    from mpfcad.pipeline.kind import kind_of
+    from mpfcad.pipeline.plan.cell import with_crossed
     from mpfcad.pipeline.plan.plan import read_plan
     from mpfcad.pipeline.run.make import write_cad
     from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
@@ -145,11 +152,15 @@ def job_case(
     plan = read_plan(job, job_file)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        write_cad(plan, folder, ("stl",), SILENT)
+        traced = kind_of(plan.drawn, plan.job.cad).run_formats[-1]
+        write_cad(plan, folder, (traced,), SILENT)
         write_stack_meshes(plan, folder, SILENT)
         own = plan.stack.with_files_in(folder)
         placed = _placed(own, stack, thickness).with_prism(own.prism)
-        return Case(job.name, job_file.name, light_film(placed, folder / "film.stl", plan.offset))
+        if plan.crossed is not None:
+            placed = with_crossed(placed, folder / plan.crossed.file("film", traced))
+        mesh = folder / plan.file("film", traced)
+        return Case(job.name, job_file.name, light_film(placed, mesh, plan.offset))
 
 
 def _placed(own: Stack, stack: str | None, thickness: float | None) -> Stack:

@@ -15,6 +15,7 @@ from mpfcad.film import (
     Groove,
     Imperfection,
     MadeFilm,
+    PieceLibrary,
     PrismFilm,
     average_groove,
     read_stylus_trace,
@@ -23,7 +24,7 @@ from mpfcad.job import Job
 from mpfcad.units import deg
 
 #: What film.step and film.stl hold.
-Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece
+Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece | PieceLibrary
 
 
 def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:

@@ -16,6 +16,10 @@ def check_job_files(job: Job, job_file: Path) -> None:
     """
     named = {
         "map.file": (job.map.file, "a curvature map (.csv or .npz)"),
+        "crossed.file": (
+            None if job.crossed is None else job.crossed.file,
+            "a curvature map (.csv or .npz)",
+        ),
         "process.calibration": (job.process.calibration, "a process calibration (TOML)"),
         "film.measured_file": (job.film.measured_file, "a stylus trace"),
     }

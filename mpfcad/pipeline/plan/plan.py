@@ -12,21 +12,18 @@ from mpfcad.backlight import Stack, read_stack
 from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
-    CurvatureMap,
-    CurvatureTable,
     FieldFilm,
-    Groove,
     PanelFilm,
     PrismFilm,
     Process,
-    build_curvature_map,
-    check_curvature,
-    read_curvature_table,
     write_curvature_field,
     write_curvature_map,
 )
 from mpfcad.job import Job, build_job
+from mpfcad.pipeline.plan.cell import crossed_layer, refuse_cell_map, turned_job, with_crossed
+from mpfcad.pipeline.plan.cell_map import CellFilmMap, read_cell_film_map, restore_cell_film_map
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
+from mpfcad.pipeline.plan.groove_map import read_map
 from mpfcad.pipeline.plan.made import Drawn, read_measured
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap, GrooveMap, PanelMap, as_written
@@ -68,6 +65,10 @@ class Plan:
         (k, 2) float64 [mm], mean groove of the stylus trace that the job names, if it does
     input_file
         path of every file read, by its name in the job
+    crossed
+        under LEDs, the plan of the printed film that lies across this one, in its own axes
+    suffix
+        what the names of this film's files have after `mask`, `film` and `curvature`
     """
 
     job: Job
@@ -81,6 +82,24 @@ class Plan:
     calibration: str | None = None
     measured: NDArray[np.float64] | None = None
     input_file: dict[str, Path] = field(default_factory=dict)
+    crossed: "Plan | None" = None
+    suffix: str = ""
+
+    @property
+    def films(self) -> "tuple[Plan, ...]":
+        """The plan of each film that is made, this one first."""
+        return (self,) if self.crossed is None else (self, self.crossed)
+
+    def lit_stack(self, folder: Path) -> Stack:
+        """Return the stack as it is traced, the other films' meshes in the export `folder`."""
+        stack = self.stack.with_files_in(folder)
+        if self.crossed is None:
+            return stack
+        return with_crossed(stack, folder / self.crossed.file("film", "3mf"))
+
+    def file(self, name: str, ending: str) -> str:
+        """Return the name of a file of this film: `mask`, `film` or `curvature` by its ending."""
+        return f"{name}{self.suffix}.{ending}"
 
     @property
     def printed(self) -> PanelFilm:
@@ -94,8 +113,15 @@ class Plan:
 
     @property
     def offset(self) -> float:
-        """Position [mm] of the piece's left edge from that lamp's axis."""
+        """Position [mm] of the traced piece's left edge from that lamp's axis."""
+        if self.stack.period.along > 0:
+            return 0.0  # a cell begins at its LED; on the panel, at the groove next to it
         return self.piece.origin - self.lamp_position
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """Every curvature [1/mm] that its screens have to print, one axis."""
+        return np.concatenate([np.ravel(film.printed.content[-1]) for film in self.films])
 
     @property
     def is_printable(self) -> bool:
@@ -105,7 +131,7 @@ class Plan:
     def write_curvature(self, folder: Path) -> None:
         """Write the table of the panel's grooves, or its map in both directions."""
         if self.field_film is not None:
-            write_curvature_field(folder / FIELD_FILE, self.field_film.field)
+            write_curvature_field(folder / self.file("curvature", "npz"), self.field_film.field)
             return
         ratio = None
         if self.process is not None:
@@ -136,6 +162,7 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         name: folder / name
         for name in (
             job.map.file,
+            None if job.crossed is None else job.crossed.file,
             job.process.calibration,
             job.stack.file,
             job.film.measured_file,
@@ -143,23 +170,21 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         if name is not None
     }
     stack = read_job_stack(job, job_file)
-    if stack.period.along > 0:
-        raise InputError(
-            f"{job_file}: stack: {stack.name}: LEDs light it: jobs are made for tubes so far: "
-            "expected a stack of tubes; mpfcad trace and measure take films under LEDs"
-        )
     _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration or "")
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     panel_map: PanelMap
-    if has_field(job, job_file):
+    if stack.period.along > 0:
+        panel_map = read_cell_film_map(job, job_file, stack)
+    elif has_field(job, job_file):
         assert job.map.file is not None  # a map C(x, y) is a file
         map_file = folder / job.map.file
         panel_map = FieldMap(read_field_film(job, map_file, str(job_file), count, stack))
     else:
         refuse_window(job, str(job_file))
-        curvature = _read_map(job, job_file, stack, groove).on_grooves(
+        refuse_cell_map(job, str(job_file))
+        curvature = read_map(job, job_file, stack, job.map).on_grooves(
             (np.arange(count) + 0.5) * groove.pitch,
             stack.period.across,
             stack.origin[0],
@@ -212,7 +237,9 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
     panel_map: PanelMap
-    if (folder / FIELD_FILE).is_file():
+    if stack.period.along > 0:
+        panel_map = restore_cell_film_map(job, folder, stack)
+    elif (folder / FIELD_FILE).is_file():
         count = groove_count(stack.panel_width, groove.pitch)
         panel_map = FieldMap(read_field_film(job, folder / FIELD_FILE, str(folder), count, stack))
     else:
@@ -267,35 +294,15 @@ def _build_plan(
     where: str,
 ) -> Plan:
     laid = panel_map.lay(job, stack, measured, where)
-    return Plan(
+    plan = Plan(
         job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
         laid.field_film, measured=laid.measured,
     )  # fmt: skip
-
-
-def _read_map(job: Job, job_file: Path, stack: Stack, groove: Groove) -> CurvatureMap:
-    uniform = job.map.curvature_per_mm
-    if uniform is not None:
-        where = f"{job_file}: map.curvature_per_mm"
-        check_curvature(uniform, groove, job.film.profile, where)
-        return CurvatureMap.uniform(uniform)
-    return build_curvature_map(
-        _map_table(job, job_file),
-        extent=job.map.extent,
-        repeat=job.map.repeat,
-        profile=job.film.profile,
-        groove=groove,
-        lamp_pitch=stack.period.across,
-        panel_width=stack.panel_width,
-    )
-
-
-def _map_table(job: Job, job_file: Path) -> CurvatureTable:
-    if job.map.rows is None:
-        assert job.map.file is not None  # exactly one of file, curvature_per_mm, rows is given
-        return read_curvature_table(job_file.parent / job.map.file)
-    position, curvature = np.array(job.map.rows, float).T
-    return CurvatureTable(f"{job_file}: map.rows", position, curvature, "row {}".format)
+    if not isinstance(panel_map, CellFilmMap) or panel_map.crossed is None:
+        return plan
+    crossed_layer(stack, where)
+    across = _build_plan(turned_job(job), stack, process, panel_map.crossed, None, where)
+    return replace(plan, crossed=replace(across, suffix="-crossed"))
 
 
 def read_job_stack(job: Job, job_file: Path) -> Stack:

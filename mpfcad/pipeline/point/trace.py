@@ -16,8 +16,9 @@ from mpfcad.job import FilmTable, build_job
 from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
-from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack
 from mpfcad.pipeline.plan.printable import printable_range
+from mpfcad.pipeline.plan.tube import read_tube_plan
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import job_rules, write_cad
@@ -68,7 +69,7 @@ class Point:
             naming the point and what is wrong.
         """
         try:
-            return read_plan(build_job(self.job, self.where), Path(self.where))
+            return read_tube_plan(build_job(self.job, self.where), Path(self.where))
         except InputError as error:
             raise InputError(f"{error} (at {describe_coordinate(self.coordinate)})") from None
 

@@ -4,7 +4,7 @@
 """
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.cad.check.library import LibraryCheck
 from mpfcad.export import sha256
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.gate import Gate
@@ -26,7 +27,6 @@ from mpfcad.measure import (
     Survey,
     TraceRun,
     light_film,
-    luminance_over_pitch,
     survey_directions,
 )
 from mpfcad.pipeline.confidence.find import find_confidence
@@ -37,12 +37,33 @@ from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.run.facet import facet_convergence
-from mpfcad.pipeline.run.file_check import examine_files, examine_foreign
-from mpfcad.pipeline.run.plain import trace_plain
+from mpfcad.pipeline.run.file_check import FileFindings, Solid, examine_files, examine_foreign
+from mpfcad.pipeline.run.make import write_mask_pictures
+from mpfcad.pipeline.run.plain import Traced, trace_luminance, trace_plain
 from mpfcad.record import ResinCheck
 
 #: The thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
+
+
+@dataclass(frozen=True, eq=False)
+class FilmFindings:
+    """What the files of one film turned out to be; `Findings` says what each is.
+
+    Attributes
+    ----------
+    files
+        its masks and CAD files
+    sha256
+        hash of the file that was traced
+    """
+
+    files: FileFindings
+    curvature_difference: float | None
+    resin: ResinCheck | None
+    sha256: str
+    wanted_ratio: NDArray[np.float64] | None
+    printing: Printing | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +106,10 @@ class Findings:
         of this film's luminance over direction; None where the path limit has no room for it
     facets
         how a few grooves' mesh closes in on the film, in outside names; None of a film in one piece
+    library
+        check of film.3mf, a film of instances
+    crossed
+        of the files of the printed film that lies across, if there is one
     """
 
     mask: dict[str, MaskCheck]
@@ -96,20 +121,22 @@ class Findings:
     resin: ResinCheck | None
     traced_sha256: str
     wanted_ratio: NDArray[np.float64] | None
-    luminance: LuminanceResult | None
-    plain: LuminanceResult
-    baseline: LuminanceResult
+    luminance: Traced | None
+    plain: Traced
+    baseline: Traced
     printing: Printing | None = None
     confidence: dict[str, Any] | None = None
     printed: dict[str, Any] | None = None
     survey: Survey | None = None
     facets: list[dict[str, Any]] | None = None
+    library: LibraryCheck | None = None
+    crossed: FilmFindings | None = None
 
 
 def examine(
     folder: Path,
     plan: Plan,
-    mask: Mask | None,
+    masks: Sequence[Mask | None],
     setting: TraceSetting,
     threads: int | None,
     checkpoints: Checkpoints,
@@ -117,25 +144,32 @@ def examine(
     *,
     foreign: bool = False,
 ) -> Findings:
-    """Check and trace the files in `folder`; what a file misses is in its gates.
+    """Check and trace the files in `folder`, `masks` those of the plan's films.
 
-    `foreign` files, not written by this very run, are read in a process that may crash.
+    What a file misses is in its gates. `foreign` files, not written by this very run, are read in
+    a process that may crash.
     """
-    found = (examine_foreign if foreign else examine_files)(folder, plan, mask, progress)
-    before = sha256(folder / "film.stl")
+    read = examine_foreign if foreign else examine_files
+    films = [
+        _judge_film(folder, film, mask, read(folder, film, mask, progress))
+        for film, mask in zip(plan.films, masks, strict=True)
+    ]
+    own, crossed = films[0], films[1] if len(films) > 1 else None
     run = TraceRun(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
         progress.trace, judged=True,
     )  # fmt: skip
     luminance = survey = None
-    if found.mesh is not None:
-        progress.stage("tracing film.stl")
-        lit = light_film(plan.stack.with_files_in(folder), folder / "film.stl", plan.offset)
+    if all(film.files.solid is not None for film in films):
+        traced = traced_file(plan)
+        progress.stage(f"tracing {traced}")
+        lit = light_film(plan.lit_stack(folder), folder / traced, plan.offset)
         if lit.spot.is_rounded:
             progress.note(lit.spot.note)
-        luminance = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
-        progress.stage("tracing film.stl over directions")
-        survey = survey_directions(lit, run)
+        luminance = trace_luminance(lit, run, setting.half_width_goal)
+        if not lit.is_cell:
+            progress.stage(f"tracing {traced} over directions")
+            survey = survey_directions(lit, run)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)
     baseline = plain
@@ -143,32 +177,46 @@ def examine(
         preset = plan.job.baseline.preset
         progress.stage(f"tracing a plain BEF in {preset}")
         lit = light_baseline(plan.job.cad.angle_tolerance, preset)
-        baseline = luminance_over_pitch(lit, run, half_width_goal=setting.half_width_goal)
+        baseline = trace_luminance(lit, run, setting.half_width_goal)
     confidence = printed = None
-    if plan.job.wants_confidence and luminance is not None:
-        confidence = find_confidence(folder, plan, luminance, run.threads, progress)
-    elif luminance is not None:
-        printed = find_printed(folder, plan, luminance, run.threads, progress)
+    if isinstance(luminance, LuminanceResult):
+        if plan.job.wants_confidence:
+            confidence = find_confidence(folder, plan, luminance, run.threads, progress)
+        else:
+            printed = find_printed(folder, plan, luminance, run.threads, progress)
+    found = own.files
+    return Findings(
+        found.mask, found.step, found.mesh, found.agreement, found.gates,
+        own.curvature_difference, own.resin, own.sha256, own.wanted_ratio, luminance, plain,
+        baseline, own.printing, confidence, printed,
+        survey, None if found.mesh is None else facet_convergence(plan), found.library, crossed,
+    )  # fmt: skip
+
+
+def traced_file(plan: Plan) -> str:
+    """Return the name in an export of the file of a film that is traced."""
+    kind = kind_of(plan.drawn, plan.job.cad)
+    return plan.file("film", kind.run_formats[-1])
+
+
+def _judge_film(folder: Path, plan: Plan, mask: Mask | None, found: FileFindings) -> FilmFindings:
+    """Return what the files of one film, as they read back, are worth beside each other."""
+    digest = sha256(folder / traced_file(plan))
     wanted = None if mask is None else mask.wanted_ratio
     printing = None
     if mask is not None and plan.process is not None:
         printing = plan_printing(plan.job, mask, plan.process)
     difference = resin = None
-    if found.mesh is not None:
-        difference = compare_curvature(plan, found.mask, found.mesh, wanted)
-        resin = compare_resin(plan, found.mask, found.mesh, wanted)
-    return Findings(
-        found.mask, found.step, found.mesh, found.agreement, found.gates, difference, resin,
-        before, wanted, luminance, plain, baseline, printing,
-        confidence, printed,
-        survey, None if found.mesh is None else facet_convergence(plan),
-    )  # fmt: skip
+    if found.solid is not None:
+        difference = compare_curvature(plan, found.mask, found.solid, wanted)
+        resin = compare_resin(plan, found.mask, found.solid, wanted)
+    return FilmFindings(found, difference, resin, digest, wanted, printing)
 
 
 def compare_curvature(
     plan: Plan,
     masks: Mapping[str, MaskCheck],
-    mesh: MeshCheck,
+    mesh: MeshCheck | Solid,
     wanted_ratio: NDArray[np.float64] | None,
 ) -> float | None:
     """Return max |C of the mask - C of the facets| [1/mm] over the piece's grooves.
@@ -185,7 +233,7 @@ def compare_curvature(
 def compare_resin(
     plan: Plan,
     masks: Mapping[str, MaskCheck],
-    mesh: MeshCheck,
+    mesh: MeshCheck | Solid,
     wanted_ratio: NDArray[np.float64] | None,
 ) -> ResinCheck | None:
     """Return the resin that the masks give the piece, and that of the mesh; None without a mask."""
@@ -229,3 +277,18 @@ def baseline_film(stack: Stack) -> PrismFilm:
     count = 1 if stack.period.along > 0 else groove_count(stack.period.across, groove.pitch)
     empty = np.full(count, groove.curvature_empty)
     return PrismFilm(groove, base=0.2, length=2.0, profile="filled", curvature=empty)
+
+
+def write_pictures(
+    plan: Plan,
+    masks: Sequence[Mask | None],
+    findings: Findings,
+    folder: Path,
+    source: Path | None = None,
+) -> None:
+    """Write the picture of each film's mask and its markers; `source` as `write_mask_pictures`."""
+    checks = [findings.mask]
+    if findings.crossed is not None:
+        checks.append(findings.crossed.files.mask)
+    for film, mask, found in zip(plan.films, masks, checks, strict=True):
+        write_mask_pictures(folder, found, mask, source, f"mask{film.suffix}")

@@ -4,18 +4,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.boundary import guarded
 from mpfcad.boundary.apart import apart, tell_stage
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
+from mpfcad.cad.check.library import LibraryCheck
 from mpfcad.errors import ExportError
 from mpfcad.gate import Gate, yes_no
 from mpfcad.mask import Mask, MaskCheck
-from mpfcad.pipeline.kind import kind_of
+from mpfcad.pipeline.kind import Kind, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress, Silent
-from mpfcad.pipeline.run.make import check_masks
+from mpfcad.pipeline.run.make import check_masks, mask_names
 from mpfcad.pipeline.run.mask_order import phototool
+
+
+class Solid(NamedTuple):
+    """Volume [mm³] of a traced file, and C [1/mm] by its corners; None of a measured surface."""
+
+    volume: float
+    curvature: NDArray[np.float64] | None
 
 
 @dataclass
@@ -28,6 +40,8 @@ class FileFindings:
         check of each mask file by its name, of those that read back as masks
     step, mesh, agreement
         of film.step and film.stl; None where a file does not read back as one
+    library
+        of film.3mf, a film of instances
     gates
         of all of them
     """
@@ -36,16 +50,45 @@ class FileFindings:
     step: StepCheck | None = None
     mesh: MeshCheck | None = None
     agreement: Agreement | None = None
+    library: LibraryCheck | None = None
     gates: list[Gate] = field(default_factory=list)
+
+    @property
+    def solid(self) -> Solid | None:
+        """What the traced file bounds; None where it does not read back."""
+        if self.library is not None:
+            return Solid(self.library.solid, self.library.curvature)
+        return None if self.mesh is None else Solid(self.mesh.volume, self.mesh.curvature)
 
 
 def examine_files(folder: Path, plan: Plan, mask: Mask | None, progress: Progress) -> FileFindings:
-    """Return what the masks, film.step and film.stl in `folder` hold."""
+    """Return what the masks and the CAD files of one film in `folder` hold."""
     found = FileFindings()
     if mask is not None:
         _examine_masks(found, folder, plan, mask, progress)
     drawing = kind_of(plan.drawn, plan.job.cad)
-    step, stl = folder / "film.step", folder / "film.stl"
+    if "stl" in drawing.run_formats:
+        _examine_solid(found, folder, plan, drawing, progress)
+    else:
+        name = plan.file("film", drawing.run_formats[-1])
+        with judged(found, "library_as_written", folder / name):
+            progress.stage(f"checking {name}")
+            check = drawing.check(folder / name)
+            assert isinstance(check, LibraryCheck)  # that kind of film has no other
+            found.library = check
+            found.gates.append(yes_no("library_as_written", True))
+    # Without the folder's name, which is another one when the export is verified.
+    found.gates = [
+        replace(gate, detail=gate.detail.replace(f"{folder}/", "")) for gate in found.gates
+    ]
+    return found
+
+
+def _examine_solid(
+    found: FileFindings, folder: Path, plan: Plan, drawing: Kind, progress: Progress
+) -> None:
+    """Examine film.step and film.stl, and compare them."""
+    step, stl = (folder / plan.file("film", suffix) for suffix in ("step", "stl"))
     with judged(found, "step_valid", step):
         progress.stage("checking film.step")
         found.step = drawing.check_step(step)
@@ -58,11 +101,6 @@ def examine_files(folder: Path, plan: Plan, mask: Mask | None, progress: Progres
         progress.stage("comparing film.step with film.stl")
         found.agreement = drawing.compare(step, stl, sum(found.step.bodies.values()))
         found.gates += found.agreement.gates
-    # Without the folder's name, which is another one when the export is verified.
-    found.gates = [
-        replace(gate, detail=gate.detail.replace(f"{folder}/", "")) for gate in found.gates
-    ]
-    return found
 
 
 def examine_foreign(
@@ -98,9 +136,9 @@ def _examine_masks(
     if plan.process is None:
         return
     tool = phototool(plan.job, mask, plan.process)
-    for suffix in plan.job.mask.formats:
-        with judged(found, "mask_file_as_written", folder / f"mask.{suffix}"):
-            checks = check_masks(mask, tool, folder, [suffix], progress)
+    for name in mask_names(plan, plan.job.mask.formats):
+        with judged(found, "mask_file_as_written", folder / name):
+            checks = check_masks(mask, tool, folder, [name], progress)
             found.mask.update(checks)
             found.gates.append(yes_no("mask_file_as_written", True))
 

@@ -18,9 +18,8 @@ from mpfcad.pipeline.progress import Progress
 
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
 CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
-#: What `run` makes: the CAD file and the mesh that is traced.
-RUN_CAD_FORMATS = ("step", "stl")
-MASK_PICTURE, MASK_MARKERS = "mask.png", "mask.lyrdb"
+#: Endings of the picture of a mask, and of the markers of what is too narrow in it.
+PICTURE, MARKERS = "png", "lyrdb"
 
 
 def plan_mask(plan: Plan) -> Mask | None:
@@ -55,22 +54,23 @@ def job_rules(job: Job, film: PanelFilm, process: Process) -> MaskRules:
 
 def write_curvature(plan: Plan, folder: Path) -> None:
     """Write curvature.csv, one row a groove of the panel, or curvature.npz of a map C(x, y)."""
-    plan.write_curvature(folder)
+    for film in plan.films:
+        film.write_curvature(folder)
 
 
 def write_masks(
-    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+    mask: Mask, tool: Phototool, folder: Path, names: Sequence[str], progress: Progress
 ) -> None:
     """Write mask.oas, mask.gds and the like."""
     from mpfcad.mask import write_mask
 
-    for name in formats:
-        progress.stage(f"writing mask.{name}")
-        write_mask(mask, folder / f"mask.{name}", tool)
+    for name in names:
+        progress.stage(f"writing {name}")
+        write_mask(mask, folder / name, tool)
 
 
 def check_masks(
-    mask: Mask, tool: Phototool, folder: Path, formats: Sequence[str], progress: Progress
+    mask: Mask, tool: Phototool, folder: Path, names: Sequence[str], progress: Progress
 ) -> dict[str, MaskCheck]:
     """Return the check of each mask file by its name; its gates judge it.
 
@@ -82,42 +82,53 @@ def check_masks(
     from mpfcad.mask import check_mask
 
     checks = {}
-    for name in (f"mask.{suffix}" for suffix in formats):
+    for name in names:
         progress.stage(f"checking {name}")
         checks[name] = check_mask(folder / name, mask, tool)
     return checks
 
 
 def write_mask_pictures(
-    folder: Path, checks: dict[str, MaskCheck], mask: Mask | None, source: Path | None = None
+    folder: Path,
+    checks: dict[str, MaskCheck],
+    mask: Mask | None,
+    source: Path | None = None,
+    stem: str = "mask",
 ) -> None:
     """Write mask.lyrdb, the markers of what is too narrow, and mask.png, from the first file.
 
-    `source` is where the mask files are; None: in `folder`.
+    `checks` are those of one mask's files, which begin with `stem`; `source` is where they are,
+    None: in `folder`.
     """
     from mpfcad.mask import write_markers, write_preview
 
     if not checks or mask is None:
         return
     name = next((n for n, check in checks.items() if check.windows), next(iter(checks)))
-    write_preview(folder / MASK_PICTURE, (source or folder) / name, checks[name], mask)
+    write_preview(folder / f"{stem}.{PICTURE}", (source or folder) / name, checks[name], mask)
     windows = checks[name].windows
     if windows:
-        write_markers(folder / MASK_MARKERS, name, windows)
+        write_markers(folder / f"{stem}.{MARKERS}", name, windows)
 
 
 def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progress) -> None:
-    """Write film.step, film.stl, film.3mf, film.ply, and height maps."""
+    """Write film.step, film.stl, film.3mf, film.ply, and height maps, of each film."""
     from mpfcad.cad.file.height import write_heights
 
-    drawing = kind_of(plan.drawn, plan.job.cad)
-    for suffix in formats:
-        progress.stage(f"writing film.{suffix}")
-        path = folder / f"film.{suffix}"
-        if suffix in HEIGHT_FORMATS:
-            write_heights(drawing.grid(), path, plan.job.name)
-        else:
-            drawing.write(path, plan.job.name)
+    for film in plan.films:
+        drawing = kind_of(film.drawn, film.job.cad)
+        for suffix in formats:
+            path = folder / film.file("film", suffix)
+            progress.stage(f"writing {path.name}")
+            if suffix in HEIGHT_FORMATS:
+                write_heights(drawing.grid(), path, film.job.name)
+            else:
+                drawing.write(path, film.job.name)
+
+
+def mask_names(plan: Plan, formats: Sequence[str]) -> list[str]:
+    """Return the names of a film's mask files in some formats."""
+    return [plan.file("mask", suffix) for suffix in formats]
 
 
 def check_cad(
@@ -132,21 +143,23 @@ def check_cad(
     """
     from mpfcad.cad.file.height import check_heights
 
-    drawing = kind_of(plan.drawn, plan.job.cad)
-    checks: dict[str, Check] = {}
-    for suffix in formats:
-        progress.stage(f"checking film.{suffix}")
-        path = folder / f"film.{suffix}"
-        if suffix in HEIGHT_FORMATS:
-            check_heights(path, drawing.grid())
-        else:
-            checks[suffix] = drawing.check(path)
-    found: list[Check | Agreement] = list(checks.values())
-    step = checks.get("step")
-    if isinstance(step, StepCheck) and "stl" in checks:
-        progress.stage("comparing film.step with film.stl")
-        files = folder / "film.step", folder / "film.stl"
-        found.append(drawing.compare(*files, sum(step.bodies.values())))
+    found: list[Check | Agreement] = []
+    for film in plan.films:
+        drawing = kind_of(film.drawn, film.job.cad)
+        checks: dict[str, Check] = {}
+        for suffix in formats:
+            path = folder / film.file("film", suffix)
+            progress.stage(f"checking {path.name}")
+            if suffix in HEIGHT_FORMATS:
+                check_heights(path, drawing.grid())
+            else:
+                checks[suffix] = drawing.check(path)
+        found += checks.values()
+        step = checks.get("step")
+        if isinstance(step, StepCheck) and "stl" in checks:
+            progress.stage("comparing film.step with film.stl")
+            files = folder / film.file("film", "step"), folder / film.file("film", "stl")
+            found.append(drawing.compare(*files, sum(step.bodies.values())))
     return found
 
 

@@ -64,6 +64,7 @@ def write_job_order(
     printability: str | None,
     formats: Sequence[str],
     masks: Path | None = None,
+    film: str = "",
 ) -> None:
     """Write order.pdf and the list of coupons for `mpfcad calibrate`.
 
@@ -72,11 +73,16 @@ def write_job_order(
     from mpfcad.mask.screen.order import coupon_table
     from mpfcad.mask.screen.order_sheet import write_order
 
-    names = [f"mask.{suffix}" for suffix in formats]
+    names = [f"mask{film}.{suffix}" for suffix in formats]
     hashes = {name: sha256((masks or folder) / name) for name in names}
-    write_order(folder / ORDER, order, printability, hashes)
+    write_order(folder / named(ORDER, film), order, printability, hashes)
     if order["coupon_aperture_ratio"]:
-        write_text(folder / COUPONS, coupon_table(order))
+        write_text(folder / named(COUPONS, film), coupon_table(order))
+
+
+def named(file: str, film: str) -> str:
+    """Return the name of a file of a film, `film` what comes before its ending."""
+    return file.replace(".", f"{film}.")
 
 
 def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str) -> None:

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight import Stack
 from mpfcad.film import FieldFilm, Process, write_curvature_field
+from mpfcad.gate import Gate
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
+from mpfcad.mask.screen.printing import Printing
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap
@@ -25,7 +28,8 @@ from mpfcad.pipeline.plan.propose import Proposal, propose, with_screen
 from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
-from mpfcad.pipeline.run.mask_order import job_order, phototool, write_job_order
+from mpfcad.pipeline.run.mask_order import ORDER, job_order, named, phototool, write_job_order
+from mpfcad.record import in_order
 from mpfcad.record.printing import mask_gates, print_gates, printability
 
 
@@ -45,6 +49,10 @@ class MaskPlan:
         the job with all that it names, for an export
     write_curvature
         writes the curvatures that the mask is made of into a folder
+    crossed
+        of the printed film that lies across, if there is one
+    suffix
+        what the names of its files have after `mask` and `order`
     """
 
     job: Job
@@ -52,28 +60,65 @@ class MaskPlan:
     process: Process
     stored: dict[str, Any]
     write_curvature: Callable[[Path], None]
+    crossed: "MaskPlan | None" = None
+    suffix: str = ""
+
+    @property
+    def masks(self) -> "tuple[MaskPlan, ...]":
+        """The plan of each mask that is made, this one first."""
+        return (self,) if self.crossed is None else (self, self.crossed)
+
+    @property
+    def stem(self) -> str:
+        """What the names of its mask files begin with."""
+        return f"mask{self.suffix}"
+
+    @property
+    def order_file(self) -> str:
+        """The name of its order sheet."""
+        return named(ORDER, self.suffix)
 
     def describe(self) -> dict[str, Any]:
         """Return what screen maker and printer have to know, in outside names."""
         from mpfcad.mask.screen.screen import describe_screen
 
-        printing = plan_printing(self.job, self.mask, self.process)
-        return describe_screen(self.mask, self.process, moire_setting(self.job.mask), printing)
+        setting = moire_setting(self.job.mask)
+        return describe_screen(self.mask, self.process, setting, self._printing)
 
     def judge(self, checks: dict[str, MaskCheck]) -> dict[str, Any]:
         """Return the screen with its gates, from the files that were made."""
-        printing = plan_printing(self.job, self.mask, self.process)
-        gates = [
-            *mask_gates(checks),
-            *print_gates(printing, checks, job_print_limits(self.job)),
-        ]
+        gates = self.gates(checks)
         return {
             **self.describe(),
-            "printability": printability(printing, gates),
+            "printability": printability(self._printing, gates),
             "gates": [gate.document() for gate in gates],
             "order": job_order(self.job, self.mask, self.process),
             "job": self.stored,
         }
+
+    def judge_all(self, checks: Sequence[dict[str, MaskCheck]]) -> dict[str, Any]:
+        """Return the screen with the gates of every mask, from the files of each."""
+        screen = self.judge(checks[0])
+        if self.crossed is None:
+            return screen
+        across = self.crossed.judge(checks[1])
+        found = zip(self.masks, checks, strict=True)
+        gates = in_order(gate for one, files in found for gate in one.gates(files))
+        return {
+            **screen,
+            "printability": printability(self._printing, gates),
+            "gates": [gate.document() for gate in gates],
+            "crossed": {key: value for key, value in across.items() if key != "job"},
+        }
+
+    def gates(self, checks: dict[str, MaskCheck]) -> list[Gate]:
+        """Return the gates of its mask files and screen."""
+        limits = job_print_limits(self.job)
+        return [*mask_gates(checks), *print_gates(self._printing, checks, limits)]
+
+    @cached_property
+    def _printing(self) -> Printing:
+        return plan_printing(self.job, self.mask, self.process)
 
     def phototool(self) -> Phototool:
         """Return how the job wants its artwork."""
@@ -81,7 +126,9 @@ class MaskPlan:
 
     def write_order(self, folder: Path, screen: dict[str, Any], formats: Sequence[str]) -> None:
         """Write order.pdf and the list of coupons for `mpfcad calibrate`."""
-        write_job_order(folder, screen["order"], screen["printability"], formats)
+        screen = screen["crossed"] if self.suffix else screen
+        order, printable = screen["order"], screen["printability"]
+        write_job_order(folder, order, printable, formats, film=self.suffix)
 
 
 def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
@@ -95,7 +142,7 @@ def read_mask_plan(job: Job, job_file: Path) -> MaskPlan:
     job_file = Path(job_file)
     check_job_files(job, job_file)
     job = with_own_catalogue(job, job_file)
-    if has_field(job, job_file):
+    if has_field(job, job_file) and job.map.extent != "cell":
         return _read_field(job, job_file)
     refuse_unprintable(job, str(job_file))
     plan = read_plan(job, job_file)
@@ -109,7 +156,9 @@ def mask_plan_of(plan: Plan) -> MaskPlan | None:
     mask, process = plan_mask(plan), plan.process
     if mask is None or process is None:
         return None
-    return MaskPlan(plan.job, mask, process, stored_job(plan), plan.write_curvature)
+    crossed = None if plan.crossed is None else mask_plan_of(plan.crossed)
+    stored, write = stored_job(plan), plan.write_curvature
+    return MaskPlan(plan.job, mask, process, stored, write, crossed, plan.suffix)
 
 
 def field_mask_plan(
@@ -138,10 +187,10 @@ def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
     bare = job.model_copy(update={"mask": job.mask.model_copy(update={"mesh": None})})
     thesis = bare.process.model_copy(update={"model": None, "solids_fraction": 1.0})
     bare = bare.model_copy(update={"process": thesis})
-    if has_field(job, job_file):
+    if has_field(job, job_file) and job.map.extent != "cell":
         curvature = _field_map(bare, job_file).curvature
     else:
-        curvature = read_plan(bare, job_file).panel.curvature
+        curvature = read_plan(bare, job_file).curvature
     if job.process.model == "thesis":
         process = job.process.model_copy(update={"model": "prior"})
         job = job.model_copy(update={"process": process})

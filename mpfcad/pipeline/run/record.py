@@ -12,17 +12,21 @@ from mpfcad.film import Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.mask.screen.levelled import LevelledWindow, levelled_window
-from mpfcad.measure import describe_eye
+from mpfcad.measure import CellResult, describe_eye
+from mpfcad.measure.cell.visible import worst_harmonic
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.kind import kind_of
-from mpfcad.pipeline.plan.field import FIELD_FILE
+from mpfcad.pipeline.plan.cell_map import CELL_FILES
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
 from mpfcad.pipeline.plan.printing import job_print_limits
-from mpfcad.pipeline.run.examine import Findings
-from mpfcad.pipeline.run.make import MASK_FORMATS, MASK_MARKERS, MASK_PICTURE
+from mpfcad.pipeline.run.examine import Findings, traced_file
+from mpfcad.pipeline.run.make import MARKERS, MASK_FORMATS, PICTURE
+from mpfcad.pipeline.run.plain import Traced
 from mpfcad.record import Checks, build_gates, build_verification, confidence_gate
 from mpfcad.report import Evidence
 
+#: What the names of the films' files have after their first word.
+FILMS = ("", "-crossed")
 #: Job tables whose values are inputs of the result, and where their defaults come from.
 DEFAULT_SOURCES = {
     "map": ("given", "the job"),
@@ -51,6 +55,7 @@ def build_record(
     """Return verification.json of the files in `folder`."""
     job = plan.job
     hashes = file_hashes(folder)
+    traced = traced_file(plan)
     checks = Checks(
         findings.mask,
         findings.step,
@@ -59,8 +64,11 @@ def build_record(
         findings.gates,
         findings.curvature_difference,
         findings.resin,
-        findings.traced_sha256 == hashes["film.stl"],
+        findings.traced_sha256 == hashes[traced],
         findings.printing,
+        findings.library,
+        traced,
+        _crossed_checks(plan, findings, hashes),
     )
     gates = build_gates(
         checks,
@@ -75,18 +83,14 @@ def build_record(
         name=job.name,
         gates=gates,
         checks=checks,
+        seed=job.seed,
+        distance=job.mask.viewing_distance_mm,
         luminance=findings.luminance,
         plain=findings.plain,
         baseline=findings.baseline,
         baseline_stack=job.baseline.preset if job.baseline else plan.stack.name,
         baseline_is_own=job.baseline is None,
-        eye=None
-        if findings.luminance is None
-        else describe_eye(
-            plan.stack.period.across,
-            job.mask.viewing_distance_mm,
-            findings.luminance.mean_luminance.value,
-        ),
+        eye=_eye(plan, findings.luminance),
         confidence=findings.confidence,
         printed=findings.printed,
         survey=findings.survey,
@@ -97,7 +101,7 @@ def build_record(
         provenance={
             "sha256": hashes,
             "traced": {
-                "file": "film.stl",
+                "file": traced,
                 "sha256": findings.traced_sha256,
                 "offset_mm": plan.offset,
             },
@@ -105,6 +109,30 @@ def build_record(
         },
         job={**stored_job(plan), "trace": setting.document()},
     )
+
+
+def _eye(plan: Plan, found: Traced | None) -> dict[str, Any] | None:
+    """Return the eye's threshold for stripes of the lamp pitch, or of a cell's worst harmonic."""
+    if found is None:
+        return None
+    pitch, distance = plan.stack.period.across, plan.job.mask.viewing_distance_mm
+    if isinstance(found, CellResult):
+        worst = worst_harmonic(found.series, found.size, distance)
+        pitch = pitch if worst is None else worst.wavelength
+    return describe_eye(pitch, distance, found.mean_luminance.value)
+
+
+def _crossed_checks(plan: Plan, findings: Findings, hashes: dict[str, str]) -> Checks | None:
+    """Return what the files of the film that lies across are, if there is one."""
+    found = findings.crossed
+    if found is None or plan.crossed is None:
+        return None
+    files, traced = found.files, traced_file(plan.crossed)
+    return Checks(
+        files.mask, files.step, files.mesh, files.agreement, files.gates,
+        found.curvature_difference, found.resin, found.sha256 == hashes[traced], found.printing,
+        files.library, traced,
+    )  # fmt: skip
 
 
 def compare_curvature(plan: Plan, findings: Findings) -> dict[str, Any] | None:
@@ -150,6 +178,7 @@ def gather_evidence(folder: Path, plan: Plan, mask: Mask | None, findings: Findi
         mask_period=plan.job.mask.period if mask is None else mask.period,
         aperture_ratio=None if check is None else check.aperture_ratio[piece],
         levelled=_level(folder, plan, mask, findings),
+        traced=traced_file(plan),
     )
 
 
@@ -167,9 +196,12 @@ def _level(
 
 def file_hashes(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of every file that was made before verification.json, by name."""
-    masks = (*(f"mask.{suffix}" for suffix in MASK_FORMATS), MASK_PICTURE, MASK_MARKERS)
+    masks = [
+        f"mask{film}.{suffix}" for film in FILMS for suffix in (*MASK_FORMATS, PICTURE, MARKERS)
+    ]
+    films = ["film.step", "film.stl", *(f"film{film}.3mf" for film in FILMS)]
     meshes = (PRISM_FILE, *(path.name for path in sorted(folder.glob("stack-*.stl"))))
-    made = (*masks, "film.step", "film.stl", *meshes, CURVATURE_FILE, FIELD_FILE)
+    made = (*masks, *films, *meshes, CURVATURE_FILE, *CELL_FILES)
     return {name: sha256(folder / name) for name in made if (folder / name).is_file()}
 
 

@@ -62,7 +62,7 @@ def restore_mask_plan(folder: Path, changes: dict[str, Any]) -> MaskPlan:
     job = build_job(given, str(folder))
     if job.mask.mesh is not None and job.mask.mesh.is_auto:
         raise InputError(f"{folder}: --mesh: auto: expected a name; choose one with --propose")
-    if (folder / FIELD_FILE).is_file():
+    if (folder / FIELD_FILE).is_file() and not _is_cell(document):
         return _restore_field(folder, job, document)
     try:
         plan = restore_plan(folder, {**document, "given": given, "resolved": job.document()})
@@ -72,6 +72,11 @@ def restore_mask_plan(folder: Path, changes: dict[str, Any]) -> MaskPlan:
     if found is None:
         raise InputError(f"{folder}: holds no mask: expected the export of a printed film")
     return found
+
+
+def _is_cell(document: dict[str, Any]) -> bool:
+    """Return whether LEDs light the stack of a stored job: its map is over a cell of them."""
+    return restore_stack(document["stack"]).period.along > 0
 
 
 def _restore_field(folder: Path, job: Job, document: dict[str, Any]) -> MaskPlan:

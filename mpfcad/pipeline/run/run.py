@@ -1,5 +1,6 @@
 """`run_job`: plan -> files -> examined from the files -> verdict; and the single steps alone."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,9 @@ from mpfcad.pipeline.plan.need import refuse_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
-    RUN_CAD_FORMATS,
     check_cad,
     check_masks,
+    mask_names,
     plan_mask,
     refuse_formats,
     write_cad,
@@ -30,6 +31,7 @@ from mpfcad.pipeline.run.make import (
 from mpfcad.pipeline.run.mask_order import (
     ORDER,
     job_order,
+    named,
     phototool,
     refuse_mask_formats,
     write_job_order,
@@ -77,22 +79,24 @@ def run_job(
     job = plan.job
     kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, str(job_file))
     refuse_memory(run_need(plan, effort), str(job_file))
-    mask = plan_mask(plan)
-    if mask is not None:
-        refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
+    masks = [plan_mask(film) for film in plan.films]
+    for mask in masks:
+        if mask is not None:
+            refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
     # The traces are kept until the export is on the disk: a full disk at the report loses none.
     with (
         Checkpoints(Store.open(progress.note)) as checkpoints,
         export_folder(out, "run") as folder,
     ):
         write_curvature(plan, folder)
-        if mask is not None and plan.process is not None:
-            tool = phototool(job, mask, plan.process)
-            write_masks(mask, tool, folder, job.mask.formats, progress)
-        write_cad(plan, folder, RUN_CAD_FORMATS, progress)
+        for film, mask in zip(plan.films, masks, strict=True):
+            if mask is not None and film.process is not None:
+                tool = phototool(film.job, mask, film.process)
+                write_masks(mask, tool, folder, mask_names(film, job.mask.formats), progress)
+        write_cad(plan, folder, kind_of(plan.drawn, job.cad).run_formats, progress)
         write_stack_meshes(plan, folder, progress)
         return _examine_and_report(
-            folder, plan, mask, job_file, effort, threads, checkpoints, progress, browser
+            folder, plan, masks, job_file, effort, threads, checkpoints, progress, browser
         )
 
 
@@ -105,7 +109,7 @@ def _browser() -> str:
 def _examine_and_report(
     folder: Path,
     plan: Plan,
-    mask: Mask | None,
+    masks: list[Mask | None],
     job_file: Path,
     effort: str,
     threads: int | None,
@@ -113,20 +117,20 @@ def _examine_and_report(
     progress: Progress,
     browser: str | None,
 ) -> dict[str, Any]:
-    from mpfcad.pipeline.run.examine import examine
+    from mpfcad.pipeline.run.examine import examine, write_pictures
     from mpfcad.pipeline.run.provenance import build_provenance
     from mpfcad.pipeline.run.record import build_record, gather_evidence
     from mpfcad.report import write_report
 
     setting = TRACE_SETTINGS[effort]
-    findings = examine(folder, plan, mask, setting, threads, checkpoints, progress)
-    write_mask_pictures(folder, findings.mask, mask)
+    findings = examine(folder, plan, masks, setting, threads, checkpoints, progress)
+    write_pictures(plan, masks, findings, folder)
     provenance = build_provenance(plan, job_file, effort)
     record = build_record(folder, plan, findings, setting, provenance)
     write_text(folder / VERIFICATION, canonical_json(record))
-    write_run_order(folder, plan, mask, record, progress)
+    write_run_order(folder, plan, masks, record, progress)
     progress.stage("writing report.html")
-    write_report(folder / REPORT, record, gather_evidence(folder, plan, mask, findings))
+    write_report(folder / REPORT, record, gather_evidence(folder, plan, masks[0], findings))
     if browser is not None:
         from mpfcad.report.browser import write_pdf
 
@@ -139,17 +143,18 @@ def _examine_and_report(
 def write_run_order(
     folder: Path,
     plan: Plan,
-    mask: Mask | None,
+    masks: Sequence[Mask | None],
     record: dict[str, Any],
     progress: Progress,
-    masks: Path | None = None,
+    source: Path | None = None,
 ) -> None:
     """Write order.pdf and coupons.csv of a film that is printed through a mesh, into `folder`."""
-    if mask is None or plan.process is None or mask.rules.mesh is None:
-        return
-    progress.stage(f"writing {ORDER}")
-    order = job_order(plan.job, mask, plan.process)
-    write_job_order(folder, order, record["printability"], plan.job.mask.formats, masks)
+    for film, mask in zip(plan.films, masks, strict=True):
+        if mask is None or film.process is None or mask.rules.mesh is None:
+            continue
+        progress.stage(f"writing {named(ORDER, film.suffix)}")
+        order, formats = job_order(film.job, mask, film.process), plan.job.mask.formats
+        write_job_order(folder, order, record["printability"], formats, source, film.suffix)
 
 
 def make_mask(
@@ -184,18 +189,23 @@ def make_planned_mask(
     """Make and check the mask files of a plan, from the job or export `source`, as `make_mask`."""
     job = plan.job
     formats = formats or tuple(job.mask.formats)
-    refuse_mask_formats(job, plan.mask, formats, str(source))
-    tool = phototool(job, plan.mask, plan.process)
+    for one in plan.masks:
+        refuse_mask_formats(job, one.mask, formats, str(source))
     with export_folder(out, "mask") as folder:
-        plan.write_curvature(folder)
-        write_masks(plan.mask, tool, folder, formats, progress)
-        checks = check_masks(plan.mask, tool, folder, formats, progress)
-        write_mask_pictures(folder, checks, plan.mask)
+        found = []
+        for one in plan.masks:
+            one.write_curvature(folder)
+            tool = phototool(one.job, one.mask, one.process)
+            names = [f"{one.stem}.{suffix}" for suffix in formats]
+            write_masks(one.mask, tool, folder, names, progress)
+            found.append(check_masks(one.mask, tool, folder, names, progress))
+            write_mask_pictures(folder, found[-1], one.mask, stem=one.stem)
         progress.stage("writing screen.json")
-        screen = plan.judge(checks)
+        screen = plan.judge_all(found)
         write_text(folder / SCREEN, canonical_json(screen))
-        progress.stage("writing order.pdf")
-        plan.write_order(folder, screen, formats)
+        for one in plan.masks:
+            progress.stage(f"writing {one.order_file}")
+            one.write_order(folder, screen, formats)
         write_manifest(folder, job.name, "mask")
         return screen
 
@@ -217,7 +227,7 @@ def make_cad(
     refuse_formats(plan, formats, str(job_file))
     tiled = job.cad.stl == "tiles" and "stl" in formats
     whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
-    names = [f"film.{suffix}" for suffix in whole]
+    names = [film.file("film", suffix) for film in plan.films for suffix in whole]
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
         write_cad(plan, folder, whole, progress)

@@ -105,8 +105,8 @@ def _find_again(
     """Return the record as this version finds it, and what draws the pages of a record."""
     from mpfcad.pipeline.effort import TraceSetting
     from mpfcad.pipeline.plan.plan import restore_plan
-    from mpfcad.pipeline.run.examine import examine
-    from mpfcad.pipeline.run.make import plan_mask, write_mask_pictures
+    from mpfcad.pipeline.run.examine import examine, write_pictures
+    from mpfcad.pipeline.run.make import plan_mask
     from mpfcad.pipeline.run.provenance import restore_provenance
     from mpfcad.pipeline.run.record import build_record, gather_evidence
     from mpfcad.report import build_page
@@ -115,20 +115,20 @@ def _find_again(
     setting = TraceSetting(**stored["job"]["trace"])
     provenance = restore_provenance(plan, stored["provenance"])
     with Checkpoints(Store.open(progress.note)) as checkpoints:
-        mask = plan_mask(plan)
+        masks = [plan_mask(film) for film in plan.films]
         findings = examine(
-            folder, plan, mask, setting, threads, checkpoints, progress, foreign=True
+            folder, plan, masks, setting, threads, checkpoints, progress, foreign=True
         )
         record = build_record(folder, plan, findings, setting, provenance)
 
     def draw(record: dict[str, Any]) -> dict[str, bytes]:
         progress.stage("drawing the report again")
         with tempfile.TemporaryDirectory() as temporary:
-            write_mask_pictures(Path(temporary), findings.mask, mask, source=folder)
+            write_pictures(plan, masks, findings, Path(temporary), source=folder)
             if (folder / ORDER).is_file():
-                write_run_order(Path(temporary), plan, mask, record, progress, masks=folder)
+                write_run_order(Path(temporary), plan, masks, record, progress, source=folder)
             pages = {path.name: path.read_bytes() for path in sorted(Path(temporary).iterdir())}
-        evidence = gather_evidence(folder, plan, mask, findings)
+        evidence = gather_evidence(folder, plan, masks[0], findings)
         pages[REPORT] = build_page(record, evidence).encode()
         return pages
 

@@ -15,17 +15,17 @@ Record = dict[str, Any]
 
 def cad_values(record: Record, evidence: Evidence) -> dict[str, Any]:
     """Return what film.step and film.stl hold, and a few grooves in cross-section."""
-    stl = evidence.folder / "film.stl"
-    kind, readable = evidence.kind, record["mesh"] is not None
+    traced = evidence.folder / evidence.traced
+    kind, readable = evidence.kind, bool(record["mesh"] or record.get("library"))
     drawn = kind.shows_grooves and readable
     made = kind.as_grooves(evidence.piece)
     return {
         "rows": _rows(record, evidence),
-        "view": plot(kind.view(stl), "grooves") if readable else None,
+        "view": plot(kind.view(traced), "grooves") if readable else None,
         "view_words": kind.view_words,
         "dimensions": draw_dimensions(made, 0),
         "section_title": kind.section_title,
-        "grooves": draw_grooves(stl, made, evidence.shown_groove) if drawn else None,
+        "grooves": draw_grooves(traced, made, evidence.shown_groove) if drawn else None,
     }
 
 
@@ -34,6 +34,8 @@ def _rows(record: Record, evidence: Evidence) -> list[tuple[str, Any]]:
     nothing: dict[str, Any] = {}
     step, mesh, pair = (record[key] or nothing for key in ("step", "mesh", "step_mesh"))
     place = f"x = 0 is {evidence.piece.origin:.6g} mm from the panel's edge"
+    if evidence.traced != "film.stl":
+        return _library_rows(record, evidence)
     bodies = ", ".join(f"{n} {v:.6g} mm³" for n, v in step.get("bodies_volume_mm3", {}).items())
     return [
         ("both: extent", f"{evidence.kind.extent}; {place}"),
@@ -52,6 +54,26 @@ def _rows(record: Record, evidence: Evidence) -> list[tuple[str, Any]]:
         ("mask against film.stl: largest difference of C",
          _quantity(record["mask_mesh_curvature_difference_per_mm"], " /mm")),
     ]  # fmt: skip
+
+
+def _library_rows(record: Record, evidence: Evidence) -> list[tuple[str, Any]]:
+    """Return what the films of instances hold, that in the job's place and that across."""
+    rows: list[tuple[str, Any]] = [(f"{evidence.traced}: extent", evidence.kind.extent)]
+    across = record.get("crossed")
+    for name, found in ((evidence.traced, record), ("film-crossed.3mf", across)):
+        if not found:
+            continue
+        library = found["library"] or {}
+        rows += [
+            (f"{name}: pieces, facets in all of them",
+             _pair(library.get("pieces"), library.get("triangle_count"), "")),
+            (f"{name}: C by its corners, least / largest",
+             _pair(library.get("curvature_min_per_mm"), library.get("curvature_max_per_mm"),
+                   " /mm")),
+            (f"mask against {name}: largest difference of C",
+             _quantity(found["mask_mesh_curvature_difference_per_mm"], " /mm")),
+        ]  # fmt: skip
+    return rows
 
 
 def _pair(first: float | None, second: float | None, unit: str) -> Markup:

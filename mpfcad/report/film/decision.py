@@ -1,21 +1,26 @@
 """What decides: the verdict, the contrast on a scale, how the films look, what is assumed."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mpfcad.record.traced import baseline_words, traced_films
-from mpfcad.report.drawing.figure import fitted_curve, luminance_figure
+from mpfcad.report.drawing.angle_figure import cell_figure
+from mpfcad.report.drawing.figure import luminance_figure
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.strip import (
     PITCHES,
+    ROWS,
     common_reach,
     deviation_strip,
     scale_strip,
     seen_strip,
-    strip_position,
+    strip_of,
 )
 from mpfcad.report.film.wording import label_of, verdict_sentence
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 Record = dict[str, Any]
 #: The scale of contrasts holds so much of the wider limit, this film's interval with some room, and
@@ -35,10 +40,27 @@ def decision_values(record: Record) -> Record:
         "scale": scale_values(record, _with_widths(record, films)),
         "sure": _sure(record.get("confidence")),
         "strips": strip_values(films),
-        "luminance": plot(luminance_figure(record), "luminance"),
+        "luminance": plot(_luminance(record), "luminance"),
+        "luminance_words": _luminance_words(record),
         "limit_percent": f"{record['gates'][0]['limit'] * 100:g}",
         "assumed": _assumed(record),
     }
+
+
+def _luminance(record: Record) -> "go.Figure":
+    """Return the luminance over the pitch, or over a cell of LEDs."""
+    return cell_figure(record["cell"]) if record.get("cell") else luminance_figure(record)
+
+
+def _luminance_words(record: Record) -> str:
+    """Return what stands under that figure."""
+    if record.get("cell"):
+        return "Luminance over one cell of LEDs over its mean, an LED in the middle."
+    limit = f"{record['gates'][0]['limit'] * 100:g}"
+    return (
+        "Luminance over one lamp pitch with its 95 % band, and each curve over its own mean; the "
+        f"dotted lines stand at ± {limit} %."
+    )
 
 
 def _with_widths(record: Record, films: list[tuple[str, Record]]) -> list[tuple[str, Record]]:
@@ -154,13 +176,13 @@ def scale_values(record: Record, films: list[tuple[str, Record]]) -> Record:
             "distance": f"{eye['viewing_distance_mm'] / 1000:g}",
             "luminance": f"{eye['luminance_at_eye_cd_m2']:.0f}",
         }
-    return {"end": f"{end:.3g}", "rows": rows, "marks": marks, "eye": seen}
+    over = "one cell of LEDs" if record.get("cell") else "one lamp pitch"
+    return {"end": f"{end:.3g}", "rows": rows, "marks": marks, "eye": seen, "over": over}
 
 
 def strip_values(films: list[tuple[str, Record]]) -> Record:
     """Return pictures of several (name, trace) on common scales."""
-    position = strip_position()
-    curves = [fitted_curve(found, position) for _, found in films]
+    curves = [strip_of(found) for _, found in films]
     white, reach = 1.05 * max(float(np.max(curve)) for curve in curves), common_reach(curves)
     rows = [
         {
@@ -176,7 +198,9 @@ def strip_values(films: list[tuple[str, Record]]) -> Record:
         "white": f"{white:.0f}",
         "reach": f"{reach * 100:.3g}",
         "scale": scale_strip(),
-        "pitches": PITCHES,
+        "words": f"{PITCHES} × {ROWS} cells of LEDs, from the fitted series"
+        if any("cell" in found for _, found in films)
+        else f"{PITCHES} lamp pitches, made from the curve below: one pitch, repeated",
     }
 
 

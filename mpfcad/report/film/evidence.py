@@ -37,6 +37,8 @@ class Evidence:
         (n,) float64 of the piece's grooves, read back from the mask; None without a mask
     levelled
         a few grooves before and after the resin levels; None where there is nothing to draw
+    traced
+        name of the file that was traced
     """
 
     folder: Path
@@ -49,6 +51,7 @@ class Evidence:
     mask_period: float
     aperture_ratio: NDArray[np.float64] | None
     levelled: LevelledWindow | None = None
+    traced: str = "film.stl"
 
     @property
     def shown_groove(self) -> dict[str, int]:

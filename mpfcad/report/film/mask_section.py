@@ -53,11 +53,16 @@ def mask_values(record: dict[str, Any], evidence: Evidence) -> dict[str, Any]:
         "names": names,
         "rows": rows,
         "stated": files[names[0]]["text"][1],
-        "picture": b64encode((evidence.folder / "mask.png").read_bytes()).decode("ascii"),
+        "pictures": [
+            (name, b64encode((evidence.folder / name).read_bytes()).decode("ascii"))
+            for name in ("mask.png", "mask-crossed.png")
+            if (evidence.folder / name).is_file()
+        ],
         "drawing": drawing,
         "zoom": mask_zoom(evidence.folder / names[0], evidence.panel.groove.pitch),
         "printing": _printing_rows(record.get("printing")),
         "levelled": levelled and plot(levelling_figure(levelled), "levelling"),
+        "crossed": _printing_rows((record.get("crossed") or {}).get("printing")),
     }
 
 

@@ -8,6 +8,7 @@ from mpfcad.report.drawing.convergence_figure import facets_figure, paths_figure
 from mpfcad.report.drawing.energy_drawing import draw_energy
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
+from mpfcad.report.film.cell_section import cell_rows
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.influence import assumed_rows
 from mpfcad.report.page.number import number
@@ -30,9 +31,16 @@ def chain_values(record: Record) -> list[tuple[str, list[tuple[str, str]]]]:
 
     steps = [
         ("job and map", list(provenance["inputs_sha256"].items())),
-        ("curvature", files("curvature.")),
-        ("mask", [pair for pair in files("mask.") if not pair[0].endswith((".png", ".lyrdb"))]),
-        ("CAD", files("film.")),
+        ("curvature", files("curvature.", "curvature-crossed.")),
+        (
+            "mask",
+            [
+                pair
+                for pair in files("mask.", "mask-crossed.")
+                if not pair[0].endswith((".png", ".lyrdb"))
+            ],
+        ),
+        ("CAD", files("film.", "film-crossed.")),
         ("traced", [(traced["file"], traced["sha256"])]),
     ]
     return [(step, found) for step, found in steps if found]
@@ -71,6 +79,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
     traces = {film.name: film.found for film in traced_films(record)}
     return {
         "traces": list(traces.items()),
+        "cell": cell_rows(record) if record.get("cell") else [],
         "flow": draw_energy(record["energy"]) if record["energy"] else None,
         "energy_head": ["share of the lamps' light", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()]),

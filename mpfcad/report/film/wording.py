@@ -85,6 +85,10 @@ GATES = {
         "STL: curvature [1/mm]",
         "max |C from the facets − C| over all grooves",
     ),
+    "library_as_written": (
+        "3MF: pieces and places",
+        "each piece closed, on the surface and of its volume; at each place the piece wanted",
+    ),
     "step_mesh_distance_um": (
         "STL against STEP [µm]",
         "largest distance of a corner of the STL from the STEP's surfaces; limit: float32 and 1 nm",
@@ -104,7 +108,7 @@ GATES = {
     ),
     "traced_file_is_shipped_file": (
         "The traced file is the shipped file",
-        "SHA-256 of film.stl when traced and in this export",
+        "SHA-256 of the film's file when traced and in this export",
     ),
     "energy_imbalance_sigma": (
         "Energy balance [σ]",
@@ -117,6 +121,7 @@ YES_NO = (
     "mask_file_as_written",
     "step_valid",
     "mesh_watertight",
+    "library_as_written",
     "traced_file_is_shipped_file",
 )
 
@@ -136,7 +141,9 @@ def verdict_sentence(record: dict[str, Any]) -> str:
     """Return what the contrast's gate decides, as a sentence."""
     gate = record["gates"][0]
     if gate["value"] is None:
-        return "Not traced: film.stl does not read back as one closed mesh."
+        file = gate.get("detail", "film.stl").partition(":")[0]
+        what = "one closed mesh" if file == "film.stl" else "the film of instances"
+        return f"Not traced: {file} does not read back as {what}."
     words = _SENTENCES[gate["outcome"]].format(
         limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
     )

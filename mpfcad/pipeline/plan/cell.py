@@ -1,0 +1,206 @@
+"""Jobs under LEDs: C(x, y) over the cell that repeats, of one film or of two that are crossed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import Stack
+from mpfcad.errors import InputError
+from mpfcad.film import CurvatureMap, CurvatureSeries, read_curvature_cell
+from mpfcad.job import CadTable, Job, MapTable
+from mpfcad.pipeline.plan.groove_map import read_map
+
+#: Curvatures of a library, and length of its pieces [mm], unless the job says.
+LEVELS, PIECE = 64, 0.5
+#: How far a cell may be from whole grooves [mm].
+_ROOM = 1e-6
+#: C at all of u by all of v in periods from the LED, (n, m) float64 [1/mm].
+CellMap = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class CellFrame:
+    """Where a film's cells lie on its panel, by the film's own axes: x across its grooves.
+
+    Attributes
+    ----------
+    panel
+        extent of the panel [mm]
+    size
+        of the cell [mm]
+    origin
+        place of an LED [mm], from the panel's lower left corner
+    """
+
+    panel: tuple[float, float]
+    size: tuple[float, float]
+    origin: tuple[float, float]
+
+    @classmethod
+    def of(cls, stack: Stack) -> "CellFrame":
+        """Return the frame of the film in the job's place."""
+        size = stack.period.across, stack.period.along
+        return cls((stack.panel_width, stack.panel_length), size, stack.origin)
+
+    @property
+    def turned(self) -> "CellFrame":
+        """The frame of a film turned by 90°: its x is the panel's y, its y goes against x."""
+        (width, length), (across, along), (x, y) = self.panel, self.size, self.origin
+        return CellFrame((length, width), (along, across), (y, width - x))
+
+    def places(self, pitch: float, piece: float, where: str) -> tuple[int, int]:
+        """Return the number of grooves across a cell, and of pieces along it.
+
+        Raises
+        ------
+        InputError
+            that begins with `where`, for a cell that is no whole number of grooves.
+        """
+        count = round(self.size[0] / pitch)
+        if count < 1 or abs(count * pitch - self.size[0]) > _ROOM:
+            raise InputError(
+                f"{where}: film.pitch_um: {pitch * 1e3:g}: the LEDs' cell is {self.size[0]:g} mm "
+                "across its grooves: expected a whole number of grooves"
+            )
+        return count, max(1, round(self.size[1] / piece))
+
+
+def wanted_over(
+    at: CellMap, frame: CellFrame, pitch: float, piece: float, where: str, *, turned: bool = False
+) -> NDArray[np.float64]:
+    """Return C at the middle of each piece of a cell, (n, m) float64 [1/mm], by the film's axes.
+
+    `at` has the panel's axes; `turned` for a film that lies across, whose frame is `frame`.
+    """
+    count, pieces = frame.places(pitch, piece, where)
+    u, v = (np.arange(count) + 0.5) / count, (np.arange(pieces) + 0.5) / pieces
+    return np.ascontiguousarray(at(1 - v, u).T) if turned else at(u, v)
+
+
+def piece_length(table: CadTable) -> float:
+    """Return about how long the pieces of a library are [mm]."""
+    given = table.inside("piece_mm")
+    return PIECE if given is None else given
+
+
+def read_cell_maps(job: Job, job_file: Path, stack: Stack) -> list[NDArray[np.float64]]:
+    """Return C over the cell of each printed film, (n, m) float64 [1/mm], by the film's own axes.
+
+    The first is that of the job's place; a second lies across it, the job's `[crossed]`.
+
+    Raises
+    ------
+    InputError
+        when a map is wrong, or the film is not grooves as designed.
+    """
+    where = str(job_file)
+    _refuse(job, stack, where)
+    pitch, piece, frame = job.film.groove.pitch, piece_length(job.cad), CellFrame.of(stack)
+    found = [wanted_over(_read(job, job_file, job.map, stack), frame, pitch, piece, where)]
+    if job.crossed is not None:
+        table = job.crossed if job.crossed.is_given else job.map
+        at = _read(job, job_file, table, stack)
+        found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
+    most = job.film.groove.curvature_empty
+    for wanted in found:
+        low, high = float(wanted.min()), float(wanted.max())
+        if not np.isfinite(wanted).all() or low < 0 or high > most * (1 + 1e-12):
+            raise InputError(
+                f"{where}: map: C {low:.4g} … {high:.4g} /mm over the cell: expected 0 … "
+                f"{most:.6g} /mm"
+            )
+    return [np.minimum(wanted, most) for wanted in found]
+
+
+def _refuse(job: Job, stack: Stack, where: str) -> None:
+    """Raise for what a film under LEDs is not made with."""
+    if job.film.profile != "filled" or not job.film.is_plain:
+        raise InputError(
+            f"{where}: film: under LEDs a film is held as pieces of grooves: expected profile "
+            "'filled', without cells or imperfections"
+        )
+    if stack.resin_scatters:
+        raise InputError(f"{where}: resin: scatters: expected a clear resin under LEDs")
+    if job.wants_confidence:
+        raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
+
+
+def refuse_cell_map(job: Job, where: str) -> None:
+    """Refuse under tubes what only a cell of LEDs has.
+
+    Raises
+    ------
+    InputError
+        when the job has it.
+    """
+    if job.map.series_per_mm is not None or job.map.extent == "cell" or job.crossed is not None:
+        what = "crossed" if job.crossed is not None else "map"
+        raise InputError(
+            f"{where}: {what}: is over a cell of LEDs, and tubes light the stack: expected "
+            "map.file, rows or curvature_per_mm, extent 'pitch' or 'panel', and no [crossed]"
+        )
+
+
+def _read(job: Job, job_file: Path, table: MapTable, stack: Stack) -> CellMap:
+    """Return the map of a table over the cell, by the panel's axes."""
+    if table.series_per_mm is not None:
+        return CurvatureSeries(np.array(table.series_per_mm, np.float64)).at
+    if table.extent == "panel":
+        raise InputError(
+            f"{job_file}: map.extent: panel: expected 'cell' (C(x, y) from an LED) or 'pitch' "
+            "(across the grooves) under LEDs"
+        )
+    if table.extent == "cell":
+        if table.file is None:
+            raise InputError(f"{job_file}: map.extent: cell: expected map.file, an NPZ")
+        cell = read_curvature_cell(
+            job_file.parent / table.file,
+            profile=job.film.profile,
+            groove=job.film.groove,
+            size=(stack.period.across, stack.period.along),
+        )
+        return cell.at
+    return _across(read_map(job, job_file, stack, table), stack.period.across)
+
+
+def _across(found: CurvatureMap, period: float) -> CellMap:
+    """Return a map across the grooves alone over the cell."""
+
+    def at(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+        row = found.on_grooves(u * period, period, 0.0)
+        return np.repeat(np.asarray(row)[:, None], len(v), axis=1)
+
+    return at
+
+
+def turned_job(job: Job) -> Job:
+    """Return the job of the film that lies across, for what is said of its own files."""
+    return job.model_copy(update={"name": f"{job.name}-crossed"})
+
+
+def crossed_layer(stack: Stack, where: str) -> str:
+    """Return the layer in whose place the film that lies across stands.
+
+    Raises
+    ------
+    InputError
+        that begins with `where`, when the stack has no prism film turned by 90°.
+    """
+    for name, layer in stack.own.items():
+        turned = stack.kind_of(name) == "film" and layer.file is None and not stack.is_slot(name)
+        if turned and abs(stack[f"{name}.rotation_deg"] - 90) < 1e-9:
+            return name
+    raise InputError(
+        f"{where}: stack {stack.name} has no film across: expected a layer of kind bef with "
+        "rotation_deg 90"
+    )
+
+
+def with_crossed(stack: Stack, mesh: Path) -> Stack:
+    """Return a stack with the film of a mesh file in the place of that across."""
+    name = crossed_layer(stack, stack.name)
+    layer = replace(stack.own[name], kind="film", file=str(mesh))
+    return replace(stack, own={**stack.own, name: layer})

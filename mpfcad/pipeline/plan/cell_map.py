@@ -1,0 +1,116 @@
+"""A map over a cell of LEDs laid onto the panel: the film as printed, and as a library."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.backlight import Stack
+from mpfcad.boundary.npz import read_arrays
+from mpfcad.errors import ExportError, InputError
+from mpfcad.film import FieldFilm, PieceLibrary, RepeatedField, build_library
+from mpfcad.job import Job
+from mpfcad.pipeline.plan.cell import LEVELS, CellFrame, piece_length, read_cell_maps
+from mpfcad.pipeline.plan.field import field_section
+from mpfcad.pipeline.plan.panel_map import Laid
+from mpfcad.pipeline.plan.size import groove_count
+
+#: Names in the export of the maps of the first film and of that across.
+CELL_FILES = ("curvature.npz", "curvature-crossed.npz")
+
+
+@dataclass(frozen=True, eq=False)
+class CellFilmMap:
+    """C over one cell, repeated over the panel.
+
+    Attributes
+    ----------
+    wanted
+        (n, m) float64 [1/mm], C of each groove of the cell at the middle of each piece
+    frame
+        where the cells lie on the panel, by the film's axes
+    crossed
+        the map of the film that lies across
+    """
+
+    wanted: NDArray[np.float64]
+    frame: CellFrame
+    crossed: "CellFilmMap | None" = None
+
+    @property
+    def curvature(self) -> NDArray[np.float64]:
+        """Every curvature [1/mm] that a screen has to print, of both films."""
+        own = np.ravel(self.wanted)
+        return own if self.crossed is None else np.concatenate([own, self.crossed.curvature])
+
+    def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
+        """Return the printed film over the panel, and its library over the cell at an LED.
+
+        Raises
+        ------
+        InputError
+            that begins with `where`, for a panel that holds no whole cell.
+        """
+        groove, (width, length) = job.film.groove, self.frame.panel
+        count = groove_count(width, groove.pitch)
+        n = len(self.wanted)
+        first = round(self.frame.origin[0] / groove.pitch)
+        while first + n > count:
+            first -= n
+        if first < 0:
+            raise InputError(
+                f"{where}: stack: {stack.name}: a cell of {self.frame.size[0]:g} mm on a panel of "
+                f"{width:g} mm: expected a panel that holds two cells"
+            )
+        library = self._library(job)
+        field = RepeatedField(
+            self.wanted, groove.pitch, library.length, first, self.frame.origin[1], count, length
+        )
+        film = FieldFilm(groove, length, count, field, job.film.profile)
+        panel = field_section(film, self.frame.origin[1], job.film.base)
+        piece = panel.cut(first, n, self.frame.size[1])
+        return Laid(panel, piece, library, first, film, None)
+
+    def _library(self, job: Job) -> PieceLibrary:
+        levels = LEVELS if job.cad.levels is None else job.cad.levels
+        length = self.frame.size[1] / self.wanted.shape[1]
+        return build_library(job.film.groove, job.film.base, length, self.wanted, levels)
+
+
+def read_cell_film_map(job: Job, job_file: Path, stack: Stack) -> CellFilmMap:
+    """Return the maps of a job under LEDs.
+
+    Raises
+    ------
+    InputError
+        when a map is wrong.
+    """
+    return _build(read_cell_maps(job, job_file, stack), stack)
+
+
+def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
+    """Return the maps of an export under LEDs from its own files.
+
+    Raises
+    ------
+    ExportError
+        when a file is not the map of such a cell.
+    """
+    frames = [CellFrame.of(stack), CellFrame.of(stack).turned]
+    found = []
+    for name, frame in zip(CELL_FILES[: 1 if job.crossed is None else 2], frames, strict=False):
+        shape = frame.places(job.film.groove.pitch, piece_length(job.cad), str(folder))
+        (curvature,) = read_arrays(folder / name, ("curvature_per_mm",))
+        if curvature.T.shape != shape:
+            raise ExportError(
+                f"{folder / name}: {curvature.T.shape} places: expected {shape}, of the LEDs' cell"
+            )
+        found.append(np.ascontiguousarray(curvature.T, np.float64))
+    return _build(found, stack)
+
+
+def _build(wanted: list[NDArray[np.float64]], stack: Stack) -> CellFilmMap:
+    frame = CellFrame.of(stack)
+    crossed = CellFilmMap(wanted[1], frame.turned) if len(wanted) > 1 else None
+    return CellFilmMap(wanted[0], frame, crossed)

@@ -1,0 +1,70 @@
+"""Luminance over a lamp pitch in outside names and plain values."""
+
+from typing import Any
+
+from mpfcad.measure import Estimate, LuminanceResult
+
+CONTRAST_FORMULA = "(Lmax - Lmin) / (Lmax + Lmin)"
+#: The figures of a trace; each is null where there was nothing to trace.
+TRACE_KEYS = (
+    "luminance",
+    "degrees_of_freedom",
+    "fit",
+    "lamp_mura_contrast",
+    "mean_luminance_cd_m2",
+    "energy",
+    "paths",
+    "convergence",
+    "accelerator",
+)
+
+
+def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
+    """Return the figures of a trace in outside names."""
+    if result is None:
+        return dict.fromkeys(TRACE_KEYS)
+    return {
+        "luminance": {
+            "position_pitch": _numbers(result.position_pitch),
+            "luminance_cd_m2": _numbers(result.luminance),
+            "standard_error_cd_m2": _numbers(result.standard_error),
+        },
+        "degrees_of_freedom": float(result.freedom),
+        "fit": {
+            "coefficient_cd_m2": _numbers(result.fit.coefficient),
+            "chi2_excess": float(result.fit.chi2_excess),
+        },
+        "curve": {
+            "luminance_cd_m2": _numbers(result.central_curve),
+            "values": result.curve.values,
+            "misfit": result.curve.misfit,
+            "smoothed": not result.curve.is_sharp,
+        },
+        "meter": result.spot.describe(),
+        "pitches": [_estimate(one) for one in result.pitches],
+        "lamp_mura_contrast": {**_estimate(result.contrast), "formula": CONTRAST_FORMULA},
+        "mean_luminance_cd_m2": _estimate(result.mean_luminance),
+        "energy": _plain(result.energy),
+        "paths": int(result.paths),
+        "convergence": {
+            "paths": [int(row[0]) for row in result.convergence],
+            "contrast": _numbers(result.convergence[:, 1]),
+            "ci95": [_numbers(row[2:]) for row in result.convergence],
+        },
+        "accelerator": result.accelerator,
+    }
+
+
+def _estimate(estimate: Estimate) -> dict[str, Any]:
+    return {"value": float(estimate.value), "ci95": [float(estimate.low), float(estimate.high)]}
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(value) for value in values]
+
+
+def _plain(value: Any) -> Any:
+    """Return nested tables of numpy scalars as plain numbers."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return value if isinstance(value, int | str) else float(value)
