@@ -322,7 +322,7 @@ def _estimates(record: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]
     found: list[tuple[str, Any]] = []
     for key, value in record.items():
         name = f"{prefix}{key}"
-        if isinstance(value, dict) and "ci95" in value:
+        if isinstance(value, dict) and {"value", "ci95"} <= value.keys():
             found.append((name, value))
         elif value is None and key.endswith("_deg"):
             found.append((name, None))

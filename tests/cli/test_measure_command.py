@@ -191,3 +191,15 @@ def test_bad_input_is_one_line_and_exit_2(place, measured, capsys, arguments, wo
     error = capsys.readouterr().err
     assert words in error and error.count("\n") == 1
     assert sorted(path.name for path in place.iterdir()) == before
+
+
+def test_figures_are_listed_and_what_only_has_an_interval_is_left_out(capsys, tmp_path):
+    from mpfcad.cli.terminal import print_measurement
+
+    figure = {"value": 0.0123, "standard_error": 0.0004, "ci95": [0.0115, 0.0131]}
+    steps = {"paths": [1, 2], "contrast": [0.02, 0.01], "ci95": [[0, 1], [0, 1]]}
+    record = {"contrast": {"lamp_mura_contrast": figure, "convergence": steps}}
+    print_measurement(record, tmp_path, as_json=False)
+    first, page = capsys.readouterr().out.splitlines()
+    assert first.split() == ["contrast.lamp_mura_contrast", "0.0123", "±", "0.0004"]
+    assert page == str(tmp_path / "measure.html")
