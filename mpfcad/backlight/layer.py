@@ -94,7 +94,7 @@ def read_layer(
         if entry not in LAYERS:
             raise InputError(f"{where}: layers: {entry}: expected one of {', '.join(LAYERS)}")
         return entry, None, {}
-    if not isinstance(entry, dict) or entry.get("kind") not in OWN_VALUES:
+    if not isinstance(entry, dict) or str(entry.get("kind")) not in OWN_VALUES:
         kinds = ", ".join(OWN_VALUES)
         raise InputError(
             f"{where}: layers: {entry}: expected a name, or a table with a kind of {kinds}"

@@ -54,10 +54,10 @@ thickness_mm = 18.0
 period_um = 640.0
 """
 COMMANDS = {
-    "run": (RUN, ["run", "job.toml", "--effort", "quick"]),
-    "sweep": (SWEEP, ["sweep", "job.toml"]),
-    "design": (DESIGN, ["design", "job.toml", "--no-verify"]),
-    "correct": (RUN, ["correct", "export", "--measured", "m.csv", "--lamp-at-mm", "2"]),
+    "run": (RUN, ["run", "job.toml", "--effort", "quick", "--threads", "1"]),
+    "sweep": (SWEEP, ["sweep", "job.toml", "--workers", "1"]),
+    "design": (DESIGN, ["design", "job.toml", "--no-verify", "--threads", "1"]),
+    "correct": (RUN, ["correct", "export", "--measured", "m.csv", "--threads", "1"]),
 }
 #: At most this long after the start [s]; a kill is at a random share of what the command takes.
 LONGEST = 300.0
@@ -75,7 +75,7 @@ def started(arguments, out):
             os.dup2(null, descriptor)
         from mpfcad.cli import main
 
-        sys.argv = ["mpfcad", *arguments, "--out", str(out), "--threads", "1"]
+        sys.argv = ["mpfcad", *arguments, "--out", str(out)]
         main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
@@ -93,6 +93,13 @@ def ended(child, seconds, number):
         time.sleep(0.005)
     os.kill(child, number)
     return os.waitpid(child, 0)[1], True
+
+
+def forgotten(cache):
+    """Remove the kept work, but for compiled kernels."""
+    for path in cache.iterdir():
+        if path.name != "kernel":
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def measured(folder):
@@ -114,19 +121,21 @@ def attack(folder, command, kills, seed):
     versions = []
     for number in (1, 2):
         job.write_text(text.format(seed=number))
-        chosen = [*arguments, *(["--damping", str(number / 4)] if command == "correct" else [])]
+        place = ["--lamp-at-mm", str(number)] if command == "correct" else []
+        chosen = [*arguments, *place]
         start = time.monotonic()
         status, hit = ended(started(chosen, out), LONGEST, signal.SIGKILL)
         took = time.monotonic() - start
         assert not hit and os.waitstatus_to_exitcode(status) in (0, 1), (command, status)
         versions.append(content(out))
         check_manifest(out)
-        shutil.rmtree(folder / "cache", ignore_errors=True)
+        forgotten(folder / "cache")
     assert versions[0] != versions[1]
     rng, hits = random.Random(seed), 0
     for kill in range(kills):
         sent = signal.SIGKILL if kill % 3 else signal.SIGINT
-        # Content 1 stands there, and 2 is on its way.
+        # Content 1 stands there, and 2 is on its way, from nothing but compiled kernels.
+        forgotten(folder / "cache")
         shutil.rmtree(out)
         out.mkdir()
         for name, data in versions[0].items():

@@ -8,7 +8,7 @@ from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.size import most_triangles
 
 #: Memory of a run without its film [GB]; of a groove of film.step in the CAD kernel, and of
-#: a triangle of the mesh while it is checked [bytes]. Measured on 80 and 13,954 grooves; paths take
+#: a triangle of the mesh while it is checked [bytes]. Measured on 80 and 7846 grooves; paths take
 #: none of it, they are traced in blocks.
 _BASE, _GROOVE, _TRIANGLE = 0.9, 110_000, 400
 #: Time of a groove in STEP, its check and comparison, and of a triangle [s], on one core.
