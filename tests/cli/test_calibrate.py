@@ -54,7 +54,7 @@ def test_calibration_file(traces, capsys, way):
     assert run_app(["calibrate", *arguments, *options]) == 0
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1] == "process.toml"
-    assert len(printed.splitlines()) == 11
+    assert len(printed.splitlines()) == 14
     assert printed.count("tip not stated: the interval holds") == 3
     process = read_process(traces / "process.toml", BEF)
     ratio, curvature = zip(*TRUTH.values(), strict=True)

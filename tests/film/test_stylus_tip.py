@@ -123,6 +123,19 @@ def test_the_measured_groove_is_without_the_tip():
     assert np.abs(found[:, 1] - truth - (found[:, 1] - truth).mean()).max() < 2e-4
 
 
+def test_a_blunt_cone_hides_steeper_walls():
+    """Walls 3 % steeper than a 90° cone: the trace shows the cone; the fill's interval knows."""
+    steep = Groove(0.05, 0.0258)
+    tip = StylusTip(2e-3, np.radians(90))
+    fit = fit_stylus_trace(traced(60.0, tip, steep, noise=2e-5), BEF)
+    truth = float(steep.fill_fraction(60.0))
+    assert fit.fill_fraction.value < truth < fit.fill_fraction.high
+    assert any("steep as the tip's cone" in note for note in fit.notes)
+    sharp = fit_stylus_trace(traced(60.0, StylusTip(2e-3), steep, noise=2e-5), BEF)
+    assert not any("cone" in note for note in sharp.notes)
+    assert sharp.fill_fraction.value == pytest.approx(truth, abs=0.002)
+
+
 def covered(seeds, **fault):
     """Return how often the intervals of C and of the fill hold the truth."""
     held = np.zeros(2)
@@ -140,8 +153,9 @@ def test_intervals_hold_the_truth_with_all_faults():
 
 
 @pytest.mark.slow
-def test_intervals_hold_the_truth_as_often_as_they_say():
-    """200 traces without thread marks, 190 ± 3.1: within four standard deviations."""
-    held = covered(range(1000, 1200), marks=0.0)
+@pytest.mark.parametrize("marks", [0.0, 0.04])
+def test_intervals_hold_the_truth_as_often_as_they_say(marks):
+    """200 traces, 190 ± 3.1: within four standard deviations below, and not always above."""
+    held = covered(range(1000, 1200), marks=marks)
     assert np.all(held >= 178)
-    assert held[0] <= 200
+    assert held[1] <= 199

@@ -9,6 +9,7 @@ so, or the instrument's scale is. The interval of C holds both (Imbens and Mansk
 intervals for partially identified parameters", Econometrica 72, 1845, 2004).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +17,17 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
+from mpfcad.film.stylus.interval import (
+    HIDDEN_WORDS,
+    Interval,
+    curvature_interval,
+    fill_interval,
+    hidden_slope,
+    joined,
+)
 from mpfcad.film.stylus.model import PITCH, SLOPE, Fitted, TraceModel, fit_model
 from mpfcad.film.stylus.spread import Spread, spread_of
-from mpfcad.film.stylus.tip import USUAL_RADII, StylusTip
+from mpfcad.film.stylus.tip import USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
 
@@ -30,20 +39,8 @@ NAMED, REFUSED = 0.01, 0.08
 WORSE = 1.25
 #: The radius that a stated tip is compared with, as a share of its own.
 SHARPER = 0.75
-#: The linearised interval of the fill held 89 of 100 simulated truths: so much wider, 95 %.
-WIDER = 1.25
-_TWO_SIDED = 1.959964
 #: Prism widths that are fitted at most.
 MOST_WIDTHS = 40
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A value and its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,16 +118,16 @@ def fit_stylus_trace(
         model = TraceModel.of(used.position - middle, used.height, groove, profile, tip, widths)
         return fit_model(model)
 
-    fits, notes = _fits_of_tips(trace, fitted)
+    fits, notes, cones = _fits_of_tips(trace, fitted)
     best = fits[0]
     _check_shown(trace, best, groove)
     spreads = [spread_of(fit) for fit in fits]
+    known = list(zip(fits, spreads, strict=True))
+    hidden = [hidden_slope(*part, cones, told=not notes) for part in known]
+    curvature = joined([curvature_interval(*part, groove, correct=correct) for part in known])
+    fill = joined([fill_interval(*part, share) for part, share in zip(known, hidden, strict=True)])
     notes += _scale_notes(trace, best, spreads[0], groove, correct)
-    curvature = _joined([
-        _curvature_interval(fit, spread, groove, correct)
-        for fit, spread in zip(fits, spreads, strict=True)
-    ])  # fmt: skip
-    fill = _joined([_fill_interval(fit, s) for fit, s in zip(fits, spreads, strict=True)])
+    notes += [HIDDEN_WORDS] if any(hidden) else []
     model, value = best.model, best.value
     tilt, parabola_rms = _levels(best)
     scale = groove.pitch / float(value[PITCH])
@@ -158,22 +155,27 @@ def fit_stylus_trace(
     )
 
 
-def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:  # type: ignore[no-untyped-def]
-    """Return the fits of all tips that may have traced the film, the likeliest first, and why."""
+def _fits_of_tips(
+    trace: StylusTrace, fitted: Callable[[StylusTip | None], Fitted]
+) -> tuple[list[Fitted], list[str], tuple[float, ...]]:
+    """Return the fits of all tips that may have traced the film, the likeliest first.
+
+    With them why there are several (none where the tip is known), and the cones [rad] it may have.
+    """
     sharp = fitted(None)
     why = "tip not stated"
     if trace.tip is not None:
         if trace.tip.radius == 0:
-            return [sharp], []
+            return [sharp], [], ()
         told = fitted(trace.tip)
         if told.misfit**2 <= WORSE * sharp.misfit**2:
-            return [told], []
+            return [told], [], (trace.tip.angle,)
         # A radius is known to a quarter: the trace must be sharper than that, too.
         if (
             fitted(StylusTip(SHARPER * trace.tip.radius, trace.tip.angle)).misfit
             > 0.98 * told.misfit
         ):
-            return [told], []
+            return [told], [], (trace.tip.angle,)
         why = (
             f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw: "
             "the tip is taken as unknown"
@@ -190,7 +192,8 @@ def _fits_of_tips(trace: StylusTrace, fitted) -> tuple[list[Fitted], list[str]]:
     fits.sort(key=lambda fit: fit.misfit if fit is not sharp else 0.95 * fit.misfit)
     radii = sorted((fit.model.tip.radius / um if fit.model.tip else 0.0) for fit in fits)
     names = ", ".join(f"{radius:g}" for radius in radii)
-    return fits, [f"{why}: the interval holds those of all usual tips that fit, {names} µm"]
+    words = f"{why}: the interval holds those of all usual tips that fit, {names} µm"
+    return fits, [words], USUAL_ANGLES
 
 
 def _check_shown(trace: StylusTrace, best: Fitted, groove: Groove) -> None:
@@ -230,54 +233,6 @@ def _scale_notes(
             "(--correct takes it as the scale)"
         )  # fmt: skip
     return notes
-
-
-def _curvature_interval(fit: Fitted, spread: Spread, groove: Groove, correct: bool) -> Interval:
-    """Return C as measured, with an interval that holds it as if the scale were off, too."""
-    mean = max(float(np.mean(fit.fills)), 1e-9)
-    stated = mean * groove.curvature_covered
-    measured = stated if correct else fit.curvature
-    ends = sorted((measured, stated))
-    half = stated * spread.fill / mean if correct else measured * spread.log_curvature
-    reach = half * _critical(ends[1] - ends[0], half / _TWO_SIDED)
-    low = min(ends[0] - reach, ends[0] * (1 - spread.unseen[0] / mean))
-    high = max(ends[1] + reach, ends[1] * (1 + spread.unseen[1] / mean))
-    return Interval(measured, max(low, 0.0), min(high, fit.model.top * ends[1] / mean))
-
-
-def _critical(gap: float, error: float) -> float:
-    """Return by what a half-width shrinks where the truth lies between two ends so far apart.
-
-    From 1 where they meet to the one-sided quantile over the two-sided one: the root c of
-    Φ(c + gap/error) - Φ(-c) = 0.95, over 1.96.
-    """
-    from scipy.optimize import brentq
-    from scipy.special import ndtr
-
-    if error <= 0 or gap <= 0:
-        return 1.0
-    wide = min(gap / error, 50.0)
-    root = brentq(lambda c: ndtr(c + wide) - ndtr(-c) - 0.95, 1.0, 3.0)
-    return float(root) / _TWO_SIDED
-
-
-def _fill_interval(fit: Fitted, spread: Spread) -> Interval:
-    """Return the mean fill fraction: a function of the grooves' u alone."""
-    unit = Groove(2.0, 1.0)  # slope and half width 1: C is u
-
-    def mean(shift: float) -> float:
-        moved = np.clip(fit.fills + shift, 0.0, fit.model.top)
-        return float(np.mean(unit.fill_fraction(moved)))
-
-    down, up = (max(WIDER * spread.fill, unseen) for unseen in spread.unseen)
-    return Interval(mean(0.0), mean(up), mean(-down))
-
-
-def _joined(intervals: list[Interval]) -> Interval:
-    """Return the first's value with an interval that holds all of them."""
-    return Interval(
-        intervals[0].value, min(i.low for i in intervals), max(i.high for i in intervals)
-    )
 
 
 def _levels(fit: Fitted) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Binary files of instruments, read by SurfaceTopography (MIT; the extra `instruments`)."""
+"""Binary files of instruments: x3p, and what SurfaceTopography (MIT; `instruments`) reads."""
 
 from pathlib import Path
 
@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film.stylus.areal import ArealMap, cut_profile
 from mpfcad.film.stylus.profile import RawProfile
+from mpfcad.film.stylus.text import is_binary
 from mpfcad.film.stylus.unit import UNITS, find_unit
+from mpfcad.film.stylus.x3p import read_x3p
 
 #: Endings of the files that are no text, and what writes them.
 ENDINGS = {
@@ -17,22 +19,44 @@ ENDINGS = {
     ".gwy": "Gwyddion",
     ".sur": "Digital Surf",
     ".pro": "Digital Surf",
-    ".x3p": "ISO 5436-2 x3p",
     ".sdf": "ISO 25178-71 sdf",
     ".bcrf": "BCR-STM",
     ".plu": "Sensofar",
     ".plux": "Sensofar",
     ".vk4": "Keyence",
+    ".vk3": "Keyence",
     ".vk6": "Keyence",
+    ".vk7": "Keyence",
+    ".zon": "Keyence ZON",
+    ".datx": "Zygo DATX",
+    ".zmg": "KLA Zeta",
+    ".tmd": "TrueMap",
+    ".nms": "NanoFocus",
+    ".frt": "FRT MicroProf",
+    ".os3d": "OmniSurf3D",
+    ".qep": "Mahr MarWin",
+    ".lext": "Olympus LEXT",
     ".al3d": "Alicona",
     ".mnt": "Digital Surf Mountains",
 }
 _PLACES = (b"DCD", b"GWYP", b"PK\x03\x04", b"aBCR", b"bBCR", b"DIGITAL SURF", b"DSCOMPRESSED")
+#: First bytes by which an ending that other programs use too is an instrument's.
+_MARKS = {".sdf": (b"aISO", b"bISO", b"aBCR", b"bBCR")}
 
 
 def is_instrument_file(path: Path, start: bytes) -> bool:
-    """Return whether a file is one of an instrument's, by its ending or its first bytes."""
-    return path.suffix.lower() in ENDINGS or start.startswith(_PLACES)
+    """Return whether a file is one of an instrument's: by ending, first bytes, or as no text.
+
+    Raises
+    ------
+    InputError
+        when a file of an instrument's ending begins as none of them does.
+    """
+    ending = path.suffix.lower()
+    if ending in _MARKS and not start.startswith(_MARKS[ending]):
+        begins = " or ".join(repr(mark.decode()) for mark in _MARKS[ending])
+        raise InputError(f"{path}: begins {start[:8]!r}: expected {ENDINGS[ending]}: {begins}")
+    return ending in (*ENDINGS, ".x3p") or start.startswith(_PLACES) or is_binary(start)
 
 
 def read_instrument_file(path: Path) -> RawProfile:
@@ -44,7 +68,10 @@ def read_instrument_file(path: Path) -> RawProfile:
         when the reader is not installed, does not know the file, or it holds several channels of
         heights that differ.
     """
+    if path.suffix.lower() == ".x3p":
+        return read_x3p(path)
     try:
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat
         from SurfaceTopography.IO import open_topography
     except ImportError:
         raise InputError(
@@ -65,6 +92,12 @@ def read_instrument_file(path: Path) -> RawProfile:
                 surface = reader.topography(channel_index=index)
         except InputError:
             raise
+        except CannotDetectFileFormat:
+            known = ENDINGS.get(path.suffix.lower())
+            raise InputError(
+                f"{path}: not a text file, and no {known or 'instrument'} file that is known: "
+                "expected columns of numbers, or an instrument's file"
+            ) from None
         except Exception as error:  # the reader raises whatever its format's code raises
             raise InputError(
                 f"{path}: not read as {ENDINGS.get(path.suffix.lower(), 'an instrument file')}: "

@@ -129,7 +129,7 @@ def _scaled(
 
 def _read_raw(path: Path, option: ReadingOption) -> RawProfile:
     with path.open("rb") as file:
-        start = file.read(16)
+        start = file.read(4000)
     if is_instrument_file(path, start):
         return read_instrument_file(path)
     return find_profile(path, read_table(path), option.columns)

@@ -12,6 +12,8 @@ FEWEST_GROOVES = 4
 _Z = 1.959964
 #: A prior standard deviation of u that matters only where nothing depends on u.
 _ANY_FILL = 1.0
+#: What is unseen counts from so many linear half-widths on.
+_FARTHER = 1.5
 #: Common shifts of all u that are tried, a side.
 _SHIFTS = 60
 
@@ -27,7 +29,8 @@ class Spread:
     log_curvature, log_pitch, log_slope
         of the logarithms of C, pitch and slope
     unseen
-        by how much the mean u can fall, and rise, before the trace changes by more than its noise
+        by how much the mean u can fall, and rise, before the trace changes by more than its noise;
+        0 unless that is much more than `fill`
     """
 
     fill: float
@@ -63,8 +66,6 @@ def spread_of(fit: Fitted) -> Spread:
     by_prior = noise**2 * np.einsum("ij,jk,ik->i", wanted, told, wanted)
     count = len(fit.fills)
     freedom = max(len(residual) / correlation - design.shape[1], 2.0)
-    # Noise whose correlation is hardly known: grooves are the independent pieces.
-    freedom = min(freedom, count - 1.0) if count >= FEWEST_GROOVES else freedom
     half = float(stdtrit(freedom, 0.975)) * np.sqrt(by_noise)
     if count >= FEWEST_GROOVES:
         scatter = float(np.std(fit.fills, ddof=1) / np.sqrt(count) * stdtrit(count - 1.0, 0.975))
@@ -73,7 +74,8 @@ def spread_of(fit: Fitted) -> Spread:
     half = np.sqrt(half**2 + _Z**2 * by_prior)
     unseen = _unseen(fit, design[:, [i for i, name in enumerate(free) if name < FILL]], noise)
     fill, log_curvature, log_pitch, log_slope = (float(h) for h in half)
-    return Spread(fill, log_curvature, log_pitch, log_slope, unseen)
+    down, up = (far if far > _FARTHER * fill else 0.0 for far in unseen)
+    return Spread(fill, log_curvature, log_pitch, log_slope, (down, up))
 
 
 def _design(fit: Fitted) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:

@@ -69,10 +69,8 @@ def decode_bytes(raw: bytes, path: Path) -> tuple[str, str]:
     ):
         if raw.startswith(mark):
             return _decoded(raw, "utf-8-sig" if name == "utf-8" else name, path), name
-    head = raw[:4000]
-    if head.count(0) > len(head) // 4:
-        # ASCII in UTF-16 has its zeros in every second place.
-        name = "utf-16-le" if head[1::2].count(0) > head[::2].count(0) else "utf-16-be"
+    name = _unmarked_utf16(raw[:4000])
+    if name:
         return _decoded(raw, name, path), name
     if b"\0" in raw:
         raise InputError(f"{path}: not a text file: expected columns of numbers")
@@ -80,6 +78,20 @@ def decode_bytes(raw: bytes, path: Path) -> tuple[str, str]:
         return raw.decode("utf-8"), "utf-8"
     except UnicodeDecodeError:
         return raw.decode("cp1252", errors="replace"), "cp1252"
+
+
+def is_binary(start: bytes) -> bool:
+    """Return whether a file that begins so is no text: it holds zeros, and is no UTF-16."""
+    marked = start.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return b"\0" in start and not marked and not _unmarked_utf16(start)
+
+
+def _unmarked_utf16(head: bytes) -> str | None:
+    """Return the encoding of UTF-16 without a mark: its zeros stand in every second place only."""
+    even, odd = head[::2].count(0), head[1::2].count(0)
+    if max(even, odd) <= len(head) // 4 or min(even, odd) > len(head) // 100:
+        return None
+    return "utf-16-le" if odd > even else "utf-16-be"
 
 
 def _decoded(raw: bytes, encoding: str, path: Path) -> str:

@@ -9,6 +9,8 @@ from mpfcad.units import deg, um
 
 #: Full angle [rad] of the cone where only a radius is stated.
 USUAL_ANGLE = 60 * deg
+#: Full angles [rad] of the cones that makers of stylus profilers sell.
+USUAL_ANGLES = (60 * deg, 90 * deg)
 #: Radii [mm] that makers of stylus profilers sell.
 USUAL_RADII = (0.7 * um, 2.0 * um, 2.5 * um, 5.0 * um, 12.5 * um)
 
