@@ -19,6 +19,7 @@ from mpfcad.measure.observed import (
 )
 from mpfcad.measure.observed.image import is_image, transposed
 from mpfcad.record.judgement import (
+    describe_cell_difference,
     describe_difference,
     describe_observed_cell,
     describe_pitch,
@@ -26,6 +27,8 @@ from mpfcad.record.judgement import (
 )
 
 JUDGEMENT_SCHEMA = 1
+#: Cells whose sides differ by more than this share are not the same.
+_SAME_SIZE = 0.02
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,8 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
     InputError
         when the file, or the export, cannot be read, or shows no lamps.
     """
-    predicted = None if judging.against is None else _prediction(judging.against)
+    of_spots = judging.spots or judging.cell is not None
+    predicted = None if judging.against is None else _prediction(judging.against, spots=of_spots)
     limit, marginal = _limits(judging, predicted)
     if not path.is_file():
         raise InputError(f"{path}: no such file: expected a luminance curve or image")
@@ -82,12 +86,18 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
             raise InputError(f"{path}: an image: expected --pixel-mm, the side of a pixel")
         image = read_image(path, judging.photo)
     record: dict[str, Any] = {"schema": JUDGEMENT_SCHEMA, "file": path.name}
-    if image is not None and (judging.spots or judging.cell):
+    if of_spots and image is None:
+        raise InputError(f"{path}: a curve: expected an image with --spots or --cell-mm")
+    if image is not None and of_spots:
         size = judging.cell or _cell_size(path, image)
         found = observe_cell(image, size, judging.seed)
-        if predicted is not None:
-            raise InputError("--against: spots: expected stripes")
         record |= {"reading": image.reading, **describe_observed_cell(found)}
+        if predicted is not None:
+            _check_size(judging, found.size, predicted)
+            record["against"] = {
+                "name": predicted["name"], **describe_cell_difference(found, predicted["cell"]),
+                "lamp_mura_contrast": predicted["lamp_mura_contrast"],
+            }  # fmt: skip
         contrast = found.contrast
     else:
         curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
@@ -106,23 +116,40 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
     return record
 
 
-def _prediction(folder: Path) -> dict[str, Any]:
-    """Return verification.json of an export."""
-    file = folder / "verification.json" if folder.is_dir() else folder
+def _prediction(folder: Path, *, spots: bool) -> dict[str, Any]:
+    """Return verification.json of an export, or the contrast that `mpfcad measure` wrote."""
+    file = folder
+    if folder.is_dir():
+        files = [folder / name for name in ("verification.json", "measure.json")]
+        file = next((each for each in files if each.is_file()), files[0])
     try:
         found = json.loads(file.read_text("utf-8"))
-        if not found["luminance"]["position_pitch"]:
+        found = found.get("contrast", found) if file.name == "measure.json" else found
+        place = found["cell"]["luminance_cd_m2"] if spots else found["luminance"]["position_pitch"]
+        if not place:
             raise KeyError
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        what = "luminance over a cell" if spots else "luminance"
         raise InputError(
-            f"{file}: no luminance in it: expected an export of mpfcad run whose film was traced"
+            f"{file}: no {what} in it: expected an export of mpfcad run whose film was traced, or "
+            f"what mpfcad measure wrote{'' if spots else '; --spots for LEDs'}"
         ) from None
     return {"name": folder.name, **found}
 
 
+def _check_size(judging: Judging, size: tuple[float, float], predicted: dict[str, Any]) -> None:
+    """Refuse a prediction of a cell of another size."""
+    given = predicted["cell"]["across_mm"], predicted["cell"]["along_mm"]
+    if any(abs(ours / theirs - 1) > _SAME_SIZE for ours, theirs in zip(size, given, strict=True)):
+        raise InputError(
+            f"--against: {judging.against}: a cell of {given[0]:.4g} × {given[1]:.4g} mm: expected "
+            f"{size[0]:.4g} × {size[1]:.4g} mm, that of the image (--cell-mm, --pixel-mm)"
+        )
+
+
 def _limits(judging: Judging, predicted: dict[str, Any] | None) -> tuple[float, float]:
     limit, marginal = 0.012, 0.018
-    for gate in predicted["gates"] if predicted else ():
+    for gate in predicted.get("gates", ()) if predicted else ():
         if gate["name"] == "lamp_mura_contrast":
             limit, marginal = gate["limit"], gate.get("marginal_limit", gate["limit"])
     limit = limit if judging.limit is None else judging.limit

@@ -11,6 +11,8 @@ from mpfcad.measure.observed import ObservedCell, ObservedPitch
 from mpfcad.record.measurement import describe_estimate
 
 _HARMONICS = 4
+#: To how many periods a cell's place is found.
+_SHIFT = 1e-3
 CONTRAST_GATE = "lamp_mura_contrast"
 
 
@@ -108,3 +110,55 @@ def _shift(found: ObservedPitch, place: NDArray[np.float64], wanted: NDArray[np.
     curves = np.array([found.fit.curve(place[:-1] + each) for each in tried])
     curves /= found.fit.mean.value
     return float(tried[np.argmin(np.sum((curves - wanted[:-1]) ** 2, axis=1))])
+
+
+def describe_cell_difference(found: ObservedCell, predicted: dict[str, Any]) -> dict[str, Any]:
+    """Return a measured cell less a predicted one, each over its own mean, in the latter's bins.
+
+    The measured series is averaged over each bin (sinc of each harmonic), and shifted to where it
+    is most like the prediction: an image shows the brightest place, not the LED. `predicted` is
+    `cell` of verification.json.
+    """
+    value = np.array(predicted["luminance_cd_m2"])
+    error = np.array(predicted["standard_error_cd_m2"]) / value.mean()
+    ours, wanted = found.series.mean.value, value / value.mean()
+    shift = _cell_shift(found, wanted)
+    at = _binned_terms(found, len(value), shift)
+    seen = (at @ found.series.coefficient).reshape(value.shape) / ours
+    spread = np.einsum("kn,nm,km->k", at, found.series.covariance, at)
+    sigma = np.hypot(np.sqrt(spread).reshape(value.shape) / ours, error)
+    residual = seen - wanted
+    return {
+        "shift_cell": list(shift),
+        "luminance_ratio": ours / float(value.mean()),
+        "measured_over_mean": seen.tolist(),
+        "predicted_over_mean": wanted.tolist(),
+        "residual": residual.tolist(),
+        "residual_standard_error": sigma.tolist(),
+        "residual_rms": float(np.sqrt(np.mean(residual**2))),
+        "expected_rms": float(np.sqrt(np.mean(sigma**2))),
+    }
+
+
+def _binned_terms(found: ObservedCell, bins: int, shift: tuple[float, float]) -> NDArray:
+    """Return the terms' means over a raster of bins moved by a shift [periods], (bins², n)."""
+    middle = (np.arange(bins) + 0.5) / bins - 0.5
+    u, v = (part.ravel() for part in np.meshgrid(middle, middle, indexing="ij"))
+    harmonic = (found.series.order + 1) // 2
+    kept: NDArray[np.float64] = np.prod(np.sinc(harmonic / bins), axis=1)
+    return found.series.at(u + shift[0], v + shift[1]) * kept
+
+
+def _cell_shift(found: ObservedCell, wanted: NDArray[np.float64]) -> tuple[float, float]:
+    """Return by how many periods a measured cell must be read later to be most like one."""
+    best, step = (0.0, 0.0), 1 / 24
+    tried = np.arange(24) - 12
+    while step > _SHIFT:
+        places = [(best[0] + a * step, best[1] + b * step) for a in tried for b in tried]
+        left = [
+            float(np.sum((_binned_terms(found, len(wanted), place) @ found.series.coefficient
+                          / found.series.mean.value - wanted.ravel()) ** 2))
+            for place in places
+        ]  # fmt: skip
+        best, step, tried = places[int(np.argmin(left))], step / 4, np.arange(9) - 4
+    return best

@@ -52,7 +52,11 @@ def _rows(record: Record) -> list[tuple[str, Record, int, str]]:
 
 def _plots(record: Record) -> list[Plot]:
     if record["kind"] == "spots":
-        return [plot(cell_figure(record["cell"]), "cell")]
+        plots = [plot(cell_figure(record["cell"]), "cell")]
+        if "against" in record:
+            off = {**record["cell"], "luminance_cd_m2": 1 + np.array(record["against"]["residual"])}
+            plots.append(plot(cell_figure(off), "difference"))
+        return plots
     plots = [plot(_curve_figure(record), "curve")]
     if "against" in record:
         plots.append(plot(_difference_figure(record["against"]), "difference"))
