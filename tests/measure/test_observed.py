@@ -14,6 +14,7 @@ from mpfcad.measure.observed import (
     read_curve,
     read_image,
 )
+from mpfcad.record.judgement import describe_cell_difference
 
 PITCH, CONTRAST, MEAN = 16.0, 0.02, 5000.0
 
@@ -140,6 +141,34 @@ def test_spots_have_the_contrast_of_their_cell(tmp_path):
     assert found.contrast.half_width < 0.003
     assert found.series.amplitude(1, 0).value == pytest.approx(0.03, abs=1e-3)
     assert found.luminance.mean() == pytest.approx(MEAN, rel=2e-3)
+
+
+def test_spots_against_a_prediction_show_what_differs(tmp_path):
+    """Predicted 3 % across, seen 3 % and 1 % of a second harmonic, a third of a cell beside it."""
+    pixel, bins = 0.25, 24
+    x, y = np.meshgrid((np.arange(320) + 0.5) * pixel, (np.arange(240) + 0.5) * pixel)
+    u, v = x / 16.0 - 1 / 3, y / 12.0
+    value = MEAN * (1 + 0.03 * np.cos(2 * np.pi * u) + 0.01 * np.cos(4 * np.pi * v))
+    value += np.random.default_rng(4).normal(0, 10, value.shape)
+    path = tmp_path / "spots.tif"
+    tifffile.imwrite(path, value.astype(np.float32))
+    found = observe_cell(read_image(path, Photo(pixel)), (16.0, 12.0))
+    middle = (np.arange(bins) + 0.5) / bins - 0.5
+    level = 0.8 * MEAN * (1 + 0.03 * np.sinc(1 / bins) * np.cos(2 * np.pi * middle))
+    cell = {
+        "luminance_cd_m2": np.repeat(level[:, None], bins, axis=1).tolist(),
+        "standard_error_cd_m2": np.full((bins, bins), 1.0).tolist(),
+    }
+    seen = describe_cell_difference(found, cell)
+    assert seen["luminance_ratio"] == pytest.approx(1.25, rel=2e-3)
+    residual = np.array(seen["residual"])
+    across, along = (
+        2 * np.abs(np.mean(residual * np.exp(2j * np.pi * k * place)))
+        for k, place in ((1, middle[:, None]), (2, middle[None]))
+    )
+    assert across < 1e-3
+    assert along == pytest.approx(0.01 * np.sinc(2 / bins), abs=1e-3)
+    assert seen["residual_rms"] == pytest.approx(0.01 / np.sqrt(2), rel=0.1)
 
 
 @pytest.mark.parametrize(

@@ -69,9 +69,9 @@ def decode_bytes(raw: bytes, path: Path) -> tuple[str, str]:
     ):
         if raw.startswith(mark):
             return _decoded(raw, "utf-8-sig" if name == "utf-8" else name, path), name
-    name = _unmarked_utf16(raw[:4000])
-    if name:
-        return _decoded(raw, name, path), name
+    unmarked = _unmarked_utf16(raw[:4000])
+    if unmarked:
+        return _decoded(raw, unmarked, path), unmarked
     if b"\0" in raw:
         raise InputError(f"{path}: not a text file: expected columns of numbers")
     try:

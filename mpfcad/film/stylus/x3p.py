@@ -106,7 +106,7 @@ def _profile(
         )
     step = _number(path, root, "X", "Increment")
     if size[1] == 1:
-        return RawProfile(step * np.arange(count), height, "m", "m", None, words)
+        return RawProfile(step * np.arange(count, dtype=np.float64), height, "m", "m", None, words)
     rows = height.reshape(size[1], size[0])
     area = ArealMap(rows, step, _number(path, root, "Y", "Increment"), "m", "m")
     position, mean, cut = cut_profile(path, area)
@@ -136,7 +136,9 @@ def _binary(
             f"{path}: data: {len(data)} bytes: expected {count * kind.itemsize}, {count} heights"
         )
     table = np.frombuffer(data, kind)
-    return np.column_stack([table[name].astype(float) for name in kind.names or ()])
+    columns = [table[name].astype(np.float64) for name in kind.names or ()]
+    rows: NDArray[np.float64] = np.column_stack(columns)
+    return rows
 
 
 def _axis(root: ElementTree.Element, axis: str) -> str:
