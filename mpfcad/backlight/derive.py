@@ -7,6 +7,8 @@ from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 
 _WAVELENGTH = Quantity(550.0, "assumed", "default: the middle of the visible")
+#: Share of the panel's width on each side that is not judged unless a job says so.
+_RIM = 0.1
 
 
 def derive(where: str, stack: Stack) -> Stack:
@@ -34,6 +36,8 @@ def derive(where: str, stack: Stack) -> Stack:
         ):
             if key not in quantity:
                 quantity[key] = Quantity(quantity[base].value, "assumed", f"default: {base}")
+    if stack.extent == "panel" and "rim_mm" in stack.spec.panel_ranges and "rim_mm" not in quantity:
+        quantity["rim_mm"] = _default_rim(stack.with_values(quantity))
     for body in MEDIUM:
         quantity.update(_scattering(where, body, quantity))
     return stack.with_values(quantity)
@@ -48,6 +52,20 @@ def _default(
         base = quantity[default]
         return Quantity(base.value, base.tag, f"as {default}: {base.source}")
     return Quantity(default, "assumed", "default")
+
+
+def _default_rim(stack: Stack) -> Quantity:
+    """Return the rim [mm] that is not judged: as far in as a screen's outer meter points stand.
+
+    These lie a tenth of the width from the edge (VESA, "Flat panel display measurements standard",
+    2.0, 2001, sampled uniformity). The middle's pitch is judged in any case.
+    """
+    left, pitch = stack.origin[0], stack.period.across
+    most = max(0.0, min(left, stack.panel_width - left - pitch))
+    tenth = round(_RIM * stack.panel_width, 6)
+    if tenth <= most:
+        return Quantity(tenth, "assumed", "default: a tenth of the panel's width")
+    return Quantity(most, "assumed", "default: all but the middle's lamp pitch")
 
 
 def _scattering(where: str, body: str, quantity: dict[str, Quantity]) -> dict[str, Quantity]:

@@ -255,6 +255,8 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
         print("position_pitch  luminance_cd_m2  standard_error_cd_m2")
         for row in zip(*figures["luminance"].values(), strict=True):
             print(f"{row[0]:14.5f}  {row[1]:15.2f}  {row[2]:20.2f}")
+    if "judged" in figures:
+        print(figures["judged"]["words"])
     for name in names:
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")

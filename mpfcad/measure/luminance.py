@@ -1,6 +1,6 @@
 """Normal luminance over whole lamp pitches, traced from a mesh on disk."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ from mpfcad.measure.contrast.contrast import contrast_of_curve, contrasts_of_pit
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.judged import Judged, judged_pitches
 from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
 from mpfcad.measure.rounds import Lit, TraceRun, Trail, trace_rounds
 
@@ -42,9 +43,12 @@ class LuminanceResult:
     central
         number of this pitch among the curve's
     contrast, mean_luminance
-        lamp-Mura contrast, of the worst pitch of a finite panel; mean [cd/m²] over this pitch
+        lamp-Mura contrast, of the worst judged pitch of a finite panel; mean [cd/m²] over this
+        pitch
     pitches
         the contrast of each pitch of a finite panel; empty without end
+    judged
+        which of them are judged; None without end
     spot
         of the meter
     energy
@@ -68,11 +72,27 @@ class LuminanceResult:
     contrast: Estimate
     mean_luminance: Estimate
     pitches: tuple[Estimate, ...]
+    judged: Judged | None
     spot: Spot
     energy: dict[str, object]
     paths: int
     accelerator: str
     convergence: NDArray[np.float64]
+
+    @property
+    def worst(self) -> int | None:
+        """Number of the judged pitch of most contrast; None without end."""
+        if self.judged is None:
+            return None
+        judged = range(self.judged.first, self.judged.stop)
+        return max(judged, key=lambda i: self.pitches[i].value)
+
+    @property
+    def where(self) -> str:
+        """Where on a finite panel the contrast was found, in words; empty without end."""
+        if self.judged is None or self.worst is None:
+            return ""
+        return self.judged.words(self.worst)
 
     @property
     def central_curve(self) -> NDArray[np.float64]:
@@ -87,14 +107,14 @@ def luminance_over_pitch(
     """Return the luminance over one lamp pitch of a film in its stack, and its contrast.
 
     On a finite panel every pitch from the first lamp to the last is measured, and the contrast is
-    the worst one's. Traces rounds of paths until the 95 % half-width of the contrast reaches
-    `half_width_goal` or the run's path limit is reached. The result does not depend on the number
-    of threads.
+    that of the worst within the rim. Traces rounds of paths until the 95 % half-width of the
+    contrast reaches `half_width_goal` or the run's path limit is reached. The result does not
+    depend on the number of threads.
 
     Raises
     ------
     InputError
-        when a pitch of a finite panel has no light.
+        when a pitch of a finite panel has no light, or none lies within the rim.
     TraceError
         when more than 1e-6 of the paths are lost.
     """
@@ -103,6 +123,8 @@ def luminance_over_pitch(
     run = run or TraceRun()
     stack = lit.stack
     position = pitch_positions(stack)
+    judged = judged_pitches(stack, position)
+    part = slice(None) if judged is None else slice(judged.first, judged.stop)
     source = Source(
         EYE, position * stack.period.across, lit.spot.width, acceptance=stack.acceptance
     )
@@ -112,7 +134,8 @@ def luminance_over_pitch(
         found = tally.radiance, tally.radiance_error, tally.blocks
         if tally.blocks not in known:
             curve = fit_curve(position, *found, periodic=not lit.is_finite)
-            known[tally.blocks] = curve, contrast_of_curve(curve, run.seed)
+            within = replace(curve, window=curve.window[part])
+            known[tally.blocks] = curve, contrast_of_curve(within, run.seed)
         return known[tally.blocks]
 
     known: dict[int, tuple[CurveFit, Estimate]] = {}
@@ -137,6 +160,7 @@ def luminance_over_pitch(
         contrast,
         curve.mean(number),
         tuple(contrasts_of_pitches(curve, run.seed)) if lit.is_finite else (),
+        judged,
         lit.spot,
         _energy(lit.scene, lit.elements, run.seed, run.threads),
         tally.total_paths,

@@ -111,6 +111,11 @@ def pitch_positions(stack: Stack) -> NDArray[np.float64]:
     return np.linspace(first, last, (last - first) * (POINTS - 1) + 1)
 
 
+def pitch_count(stack: Stack) -> int:
+    """Return over how many lamp pitches a meter stands: one without end."""
+    return (len(pitch_positions(stack)) - 1) // (POINTS - 1)
+
+
 def refuse_dark(name: str, position: NDArray[np.float64], luminance: NDArray[np.float64]) -> None:
     """Raise where a whole lamp pitch has no light: it has no contrast.
 

@@ -1,8 +1,11 @@
 """How long to trace, in three words."""
 
 import os
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mpfcad.measure import Lit, TraceRun
 
 #: A half-width that no trace reaches: it goes on to its path limit.
 NO_GOAL = -1.0
@@ -10,7 +13,10 @@ NO_GOAL = -1.0
 
 @dataclass(frozen=True)
 class TraceSetting:
-    """When a trace ends: at `half_width_goal` of the contrast (95 %), or at `path_limit` paths."""
+    """When a trace ends: at `half_width_goal` of the contrast (95 %), or at `path_limit` paths.
+
+    The limit is that of one lamp pitch: a finite panel has it for each that is measured.
+    """
 
     half_width_goal: float
     path_limit: int
@@ -25,6 +31,13 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def over_pitches(run: "TraceRun", lit: "Lit") -> "TraceRun":
+    """Return how to trace luminance over all pitches of a panel: each has the limit of one."""
+    from mpfcad.measure.meter import pitch_count
+
+    return replace(run, path_limit=run.path_limit * pitch_count(lit.stack))
 
 
 TRACE_SETTINGS = {

@@ -41,7 +41,8 @@ def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
             "smoothed": not result.curve.is_sharp,
         },
         "meter": result.spot.describe(),
-        "pitches": [_estimate(one) for one in result.pitches],
+        "pitches": _pitches(result),
+        **({} if result.judged is None else {"judged": _judged(result)}),
         "lamp_mura_contrast": {**_estimate(result.contrast), "formula": CONTRAST_FORMULA},
         "mean_luminance_cd_m2": _estimate(result.mean_luminance),
         "energy": _plain(result.energy),
@@ -52,6 +53,31 @@ def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
             "ci95": [_numbers(row[2:]) for row in result.convergence],
         },
         "accelerator": result.accelerator,
+    }
+
+
+def _pitches(result: LuminanceResult) -> list[dict[str, Any]]:
+    """Return each pitch of a panel with its place [mm from the left] and whether it is judged."""
+    judged = result.judged
+    if judged is None:
+        return []
+    return [
+        {**_estimate(one), "from_to_mm": _numbers(judged.place(i)), "judged": judged.is_judged(i)}
+        for i, one in enumerate(result.pitches)
+    ]
+
+
+def _judged(result: LuminanceResult) -> dict[str, Any]:
+    """Return what of a panel is judged and where its worst pitch is."""
+    judged, worst = result.judged, result.worst
+    assert judged is not None and worst is not None
+    return {
+        "rim_mm": float(judged.rim),
+        "first_pitch": judged.first + 1,
+        "last_pitch": judged.stop,
+        "worst_pitch": worst + 1,
+        "worst_from_to_mm": _numbers(judged.place(worst)),
+        "words": result.where,
     }
 
 

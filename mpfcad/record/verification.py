@@ -140,7 +140,10 @@ def contrast_gate(
             "lamp_mura_contrast", None, limit, None, marginal, detail=f"{traced}: not traced"
         )
     found = luminance.contrast
-    return Gate("lamp_mura_contrast", found.value, limit, (found.low, found.high), marginal)
+    interval = (found.low, found.high)
+    where = luminance.where if isinstance(luminance, LuminanceResult) else ""
+    detail = f"{traced}: {where}" if where else ""
+    return Gate("lamp_mura_contrast", found.value, limit, interval, marginal, detail=detail)
 
 
 def energy_gates(energy: dict[str, Any]) -> list[Gate]:

@@ -32,7 +32,10 @@ class TubeSpec:
         "lamp_reflectance": (0.0, 1.0),
         "lamp_luminance_cd_m2": (1e-6, 1e9),
     }
-    panel_ranges: ClassVar[Mapping[str, Range]] = {"lamp_length_mm": (1.0, 10_000.0)}
+    panel_ranges: ClassVar[Mapping[str, Range]] = {
+        "lamp_length_mm": (1.0, 10_000.0),
+        "rim_mm": (0.0, 1000.0),
+    }
     optional: ClassVar[Mapping[str, tuple[Range, str | float]]] = {}
     defaults: ClassVar[Mapping[str, str]] = {"lamp_length_mm": "panel_length_mm"}
 

@@ -12,7 +12,12 @@ from mpfcad.errors import ExportError, InputError
 from mpfcad.export import check_manifest
 from mpfcad.job import Job, read_job
 from mpfcad.measure import Checkpoints, Lit, TraceRun, light_film
-from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.effort import (
+    MEASURE_SETTINGS,
+    TRACE_SETTINGS,
+    available_threads,
+    over_pitches,
+)
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.store import Store, work_key
 
@@ -210,7 +215,8 @@ def _contrast(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     goal = TRACE_SETTINGS[effort].half_width_goal
     if lit.is_cell:
         return describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), run.seed)
-    return describe_contrast(luminance_over_pitch(lit, run, half_width_goal=goal), run.seed)
+    found = luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
+    return describe_contrast(found, run.seed)
 
 
 def _angular(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:

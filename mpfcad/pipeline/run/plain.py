@@ -16,6 +16,7 @@ from mpfcad.measure import (
     luminance_over_cell,
     luminance_over_pitch,
 )
+from mpfcad.pipeline.effort import over_pitches
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.size import groove_count
 
@@ -29,7 +30,7 @@ def trace_luminance(lit: Lit, run: TraceRun, half_width_goal: float) -> Traced:
     """Return the luminance over a lamp pitch or, under LEDs, over a cell."""
     if lit.is_cell:
         return luminance_over_cell(lit, run, half_width_goal=half_width_goal)
-    return luminance_over_pitch(lit, run, half_width_goal=half_width_goal)
+    return luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=half_width_goal)
 
 
 def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float) -> Traced:

@@ -11,7 +11,7 @@ from mpfcad.job import Job
 from mpfcad.mask import Mask
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
-from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads, over_pitches
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.need import refuse_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
@@ -288,7 +288,9 @@ def trace_mesh(
         if lit.is_cell:
             figures = describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), seed)
         else:
-            figures = describe_luminance(luminance_over_pitch(lit, run, half_width_goal=goal))
+            figures = describe_luminance(
+                luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
+            )
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     for table in backlight.tables.values():
         progress.note(table.table.summary())
