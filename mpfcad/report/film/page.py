@@ -19,6 +19,8 @@ from mpfcad.report.film.slider_section import slider_values
 from mpfcad.report.film.wording import gate_values
 from mpfcad.report.page.environment import render
 
+#: Files that a run makes besides those whose hashes the record holds.
+BESIDE = ("order.pdf", "coupons.csv")
 #: Title and template of each section, in the page's order.
 SECTIONS = (
     ("Every gate", "gate"),
@@ -50,6 +52,7 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         decision=decision_values(record),
         gates=[gate_values(gate) for gate in record["gates"]],
         chain=chain_values(record),
+        beside=[name for name in BESIDE if (evidence.folder / name).is_file()],
         versions=", ".join(f"{name} {value}" for name, value in versions.items()),
         input=input_values(record, evidence),
         film=evidence.kind.film_section(

@@ -11,6 +11,7 @@ from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.film.decision import scale_values, strip_values
 from mpfcad.report.page.environment import render
+from mpfcad.report.page.number import value_words
 
 #: The page of each kind of export, and its record.
 PAGES = {
@@ -137,9 +138,9 @@ def comparison_page(folder: Path, places: list[str]) -> str | None:
     )
 
 
-def _changed_inputs(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, Any, Any]]:
+def _changed_inputs(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Return (name, value, value) of the inputs that two runs differ in."""
     values = [{entry["name"]: entry["value"] for entry in one["inputs"]} for one in (first, second)]
     names = list(dict.fromkeys([*values[0], *values[1]]))
     pairs = [(name, values[0].get(name, "–"), values[1].get(name, "–")) for name in names]
-    return [pair for pair in pairs if pair[1] != pair[2]]
+    return [(name, value_words(a), value_words(b)) for name, a, b in pairs if a != b]
