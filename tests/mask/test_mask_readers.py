@@ -110,7 +110,7 @@ def test_an_xml_reader_finds_the_apertures_of_svg(tmp_path):
     group = next(g for g in root.iter(f"{space}g") if g.get("class") == "aperture")
     lines = {line.get("id"): line for line in group.iter(f"{space}path")}
     for use in group.iter(f"{space}use"):
-        line = lines[use.get("href")[1:]]
+        line = lines[use.get("{http://www.w3.org/1999/xlink}href")[1:]]
         dash, gap = (float(value) for value in use.get("stroke-dasharray").split())
         rows = round(float(line.get("d").rpartition("V")[2]) / (dash + gap))
         count += rows

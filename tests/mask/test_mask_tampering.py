@@ -196,7 +196,7 @@ TEXTUAL = {
     "svg": [
         (r'stroke-dasharray="0\.02', r'stroke-dasharray="0.03', "whole number of dashes|groove"),
         (r'viewBox="(\S+) 0 (\S+)', r'viewBox="\1 0 9', "one unit is"),
-        (r'(<use href="#a0" x="0.025" y="[.\d]+)"', r'\g<1>4567"', "off the 1 nm grid"),
+        (r'(<use xlink:href="#a0" x="0.025" y="[.\d]+)"', r'\g<1>4567"', "off the 1 nm grid"),
         (r'(d="M0 0V\d)', r"\g<1>9", "whole number of dashes|line with gaps|outside|groove"),
         ("drawn = open", "drawn = closed", "is not what is painted"),
         (r'(<g class="aperture" fill=)"#000"', r'\1"#fff"', "wrong polarity"),

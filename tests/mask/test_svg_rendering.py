@@ -53,8 +53,8 @@ def test_resvg_renders_the_ratio(tmp_path, pattern, polarity):
         assert black(png) == pytest.approx(wanted(mask, x, y, side, polarity), abs=2e-3)
 
 
-@pytest.mark.parametrize("renderer", ["rsvg-convert", "chromium"])
-def test_librsvg_and_chromium_render_the_ratio_where_they_are(tmp_path, renderer):
+@pytest.mark.parametrize("renderer", ["rsvg-convert", "chromium", "inkscape"])
+def test_other_renderers_render_the_ratio_where_they_are(tmp_path, renderer):
     if shutil.which(renderer) is None:
         assert resvg_py  # the test above has rendered it
         return
@@ -63,6 +63,9 @@ def test_librsvg_and_chromium_render_the_ratio_where_they_are(tmp_path, renderer
     cut, png = tmp_path / "cut.svg", tmp_path / "cut.png"
     cut.write_text(window(path, 2.0, 58.0, 2.0), "utf-8")
     command = ["rsvg-convert", "-o", str(png), str(cut)]
+    if renderer == "inkscape":
+        command = ["inkscape", "--export-type=png", f"--export-filename={png}",
+                   f"--export-width={PIXELS}", f"--export-height={PIXELS}", str(cut)]  # fmt: skip
     if renderer == "chromium":
         command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu",
                    "--disable-background-networking", "--hide-scrollbars",

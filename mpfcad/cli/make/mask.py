@@ -145,11 +145,11 @@ def _propose(job_file: Path, json: bool) -> int:
         print(json_format.dumps({"schema": 1, "proposals": rows}, indent=1, ensure_ascii=False))
         return 0
     print(
-        f"{'mesh':<9}{'period':>8}{'angle':>7}{'solids':>8}{'ratio':>16}{'aperture':>10}{'web':>8}"
+        f"{'mesh':<14}{'pattern':<8}{'period':>8}{'angle':>7}{'solids':>8}{'ratio':>16}{'aperture':>10}{'web':>8}"
         f"{'ripple':>9}{'moiré':>9}{'volume':>8}{'wet':>7}{'cost':>6}{'margin':>8}  weakest"
     )
     print(
-        f"{'':<9}{'µm':>8}{'°':>7}{'%':>8}{'':>16}{'µm':>10}{'µm':>8}{'1/mm':>9}{'':>9}"
+        f"{'':<22}{'µm':>8}{'°':>7}{'%':>8}{'':>16}{'µm':>10}{'µm':>8}{'1/mm':>9}{'':>9}"
         f"{'cm³/m²':>8}{'cm³/m²':>7}{'':>6}"
     )
     least = min(row["wet_volume_cm3_m2"] for row in rows)
@@ -157,13 +157,14 @@ def _propose(job_file: Path, json: bool) -> int:
         low, high = row["aperture_ratio"]
         mark = "" if row["sourced"] else "*"
         print(
-            f"{row['mesh'] + mark:<9}{row['period_um']:>8.0f}{row['mesh_angle_deg']:>7.1f}"
+            f"{row['mesh'] + mark:<14}{row['pattern']:<8}{row['period_um']:>8.0f}"
+            f"{row['mesh_angle_deg']:>7.1f}"
             f"{100 * row['solids_fraction']:>8.0f}{f'{low:.3f} … {high:.3f}':>16}"
             f"{row['smallest_aperture_um']:>10.1f}{row['smallest_web_um']:>8.1f}"
             f"{row['ripple_curvature_per_mm']:>9.2g}{row['moire_contrast']:>9.2g}"
             f"{row['ink_volume_cm3_m2']:>8.1f}{row['wet_volume_cm3_m2']:>7.2f}"
             f"{row['wet_volume_cm3_m2'] / least:>6.2f}{row['margin']:>8.2f}  {row['weakest']}"
         )
-    print("margin: least figure over its limit, 1 is just printable; slots; * volume computed")
+    print("margin: least figure over its limit, 1 is just printable; * volume computed")
     print("cost: wet resin laid down, of the least; prices of meshes are not known")
     return 0

@@ -16,6 +16,7 @@ from mpfcad.units import um
 #: How far a coordinate may be from the grid: rounding of a decimal [grid steps].
 OFF_GRID = 1e-3
 _SVG = "{http://www.w3.org/2000/svg}"
+_HREF = "{http://www.w3.org/1999/xlink}href"
 _PART = re.compile(r"M0 ([0-9.]+)V([0-9.]+)")
 
 
@@ -88,7 +89,8 @@ def _arrays(
             for line in element:
                 lines[line.attrib["id"]] = _line(path, line)
         elif element.tag == f"{_SVG}use":
-            name = element.attrib["href"].removeprefix("#")
+            # As SVG 1.1 writes it, or as SVG 2 does: masks of earlier versions.
+            name = (element.get(_HREF) or element.attrib["href"]).removeprefix("#")
             if name in lines:
                 yield _dashed(path, element, *lines[name])
                 continue

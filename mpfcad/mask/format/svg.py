@@ -17,6 +17,8 @@ from mpfcad.mask.format.flat import columns_of
 from mpfcad.mask.layer import APERTURE, COUPON, LAYERS, OUTLINE
 from mpfcad.mask.rule import GRID
 
+#: Links as SVG 1.1 names them: Inkscape up to 1.2 follows no other.
+XLINK = "http://www.w3.org/1999/xlink"
 #: Steps after which the dashes of a line begin anew.
 PART = 128
 INK, PAPER = "#000", "#fff"
@@ -33,7 +35,7 @@ def _parts(drawing: Drawing) -> Iterator[str]:
     left, bottom, right, top = drawing.bounds()
     size = (right - left, top - bottom)
     yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_mm(size[0])}mm" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="{XLINK}" width="{_mm(size[0])}mm" '
         f'height="{_mm(size[1])}mm" viewBox="{_mm(left)} 0 {_mm(size[0])} {_mm(size[1])}" '
         f'shape-rendering="crispEdges">'
     )
@@ -81,7 +83,7 @@ def _layer(layer: int, arrays: Iterable[ApertureArray], colour: str) -> Iterator
             )
         x, y = place.origin
         yield (
-            f'<use href="#{lines[key]}" x="{_half_mm(2 * x + width)}" y="{_mm(y)}" '
+            f'<use xlink:href="#{lines[key]}" x="{_half_mm(2 * x + width)}" y="{_mm(y)}" '
             f'stroke-dasharray="{_mm(length)} {_mm(step - length)}"/>'
         )
     yield "</g>"
@@ -120,7 +122,7 @@ def _tiles(drawing: Drawing, colour: str) -> Iterator[str]:
     yield f'</defs><g class="{LAYERS[APERTURE]}">'
     for placed in drawing.tiles:
         for x, y in placed.place.positions():
-            yield f'<use href="#{placed.tile.name}" x="{_mm(x)}" y="{_mm(y)}"/>'
+            yield f'<use xlink:href="#{placed.tile.name}" x="{_mm(x)}" y="{_mm(y)}"/>'
     yield "</g>"
 
 

@@ -8,7 +8,7 @@ figures over their limits: 1 is just printable, and the largest margin is the be
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from mpfcad.mask.fabric import Mesh, read_catalogue, shipped_catalogue
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting, worst_contrast
 from mpfcad.mask.screen.printing import LUMINANCE_RESPONSE, curvature_ripple
-from mpfcad.mask.screen.slot_ripple import slot_ripple
+from mpfcad.pipeline.plan.fit import SPARE, Fit, fit_dots, fit_slots
 from mpfcad.pipeline.plan.process import read_job_process
 from mpfcad.pipeline.plan.screen import job_levelling, with_mesh
 from mpfcad.units import deg, um
@@ -28,8 +28,6 @@ from mpfcad.units import deg, um
 #: Solids fractions that are tried, and angles of the mesh to the grooves [°].
 SOLIDS = tuple(round(0.2 + 0.05 * k, 2) for k in range(17))
 ANGLES = (22.5, 7.5, 15.0, 30.0, 37.5)
-#: Slots and webs are so much longer than a cell; periods are whole multiples of that [mm].
-SPARE, PERIOD_STEP, LONGEST_PERIOD = 1.05, 0.01, 10.0
 #: Rows of the table; a ripple this far below its limit counts no more.
 MOST_ROWS, ENOUGH = 12, 3.0
 
@@ -42,8 +40,8 @@ class Proposal:
     ----------
     mesh
         with the job's emulsion
-    solids_fraction, period, angle
-        of the resin, of the slots, of the threads to the grooves [rad]
+    solids_fraction, pattern, period, angle
+        of the resin; slots or dots, and their period; of the threads to the grooves [rad]
     ratio_min, ratio_max
         of the open grooves
     aperture, web
@@ -62,6 +60,7 @@ class Proposal:
 
     mesh: Mesh
     solids_fraction: float
+    pattern: Literal["slot", "dot"]
     period: float
     angle: float
     ratio_min: float
@@ -79,7 +78,7 @@ class Proposal:
         return {
             "mesh": self.mesh.name,
             "sourced": self.mesh.is_sourced,
-            "pattern": "slot",
+            "pattern": self.pattern,
             "period_um": self.period / um,
             "mesh_angle_deg": self.angle / deg,
             "solids_fraction": self.solids_fraction,
@@ -98,7 +97,7 @@ class Proposal:
     def reason(self) -> str:
         """Return why this screen, in a line."""
         return (
-            f"mesh {self.mesh.name}, period {self.period / um:g} µm, solids "
+            f"mesh {self.mesh.name}, period {self.period / um:g} µm, {self.pattern}s, solids "
             f"{self.solids_fraction:.0%}: margin {self.margin:.2f} by {self.weakest}; ratio "
             f"{self.ratio_min:.3f} … {self.ratio_max:.3f}, ripple {self.ripple:.2g} /mm, moiré "
             f"{self.moire:.2g}"
@@ -171,25 +170,39 @@ def _row(
     curvature: NDArray[np.float64],
     where: str,
 ) -> Proposal | None:
-    """Return a mesh's screen; None when no period holds its slots."""
+    """Return a mesh's screen; None when no period holds its slots or dots."""
     coated = mesh.coated(0.0 if job.mask.mesh is None else job.mask.mesh.emulsion)
     ratio = process.aperture_ratio_of_curvature(curvature)
     ratio = ratio[ratio > 1e-9]
     if not ratio.size:
         raise InputError(f"{where}: map: no groove takes resin: expected a curvature below 80 /mm")
-    low, high = float(ratio.min()), float(ratio.max())
-    if high >= 1:
-        return None
+    ends = (float(ratio.min()), float(ratio.max()))
     cell = coated.min_feature
     limits = (max(cell, job.mask.min_aperture), max(cell, job.mask.min_web))
-    needed = SPARE * max(limits[0] / low, limits[1] / (1 - high))
-    period = math.ceil(needed / PERIOD_STEP - 1e-9) * PERIOD_STEP
-    if period > LONGEST_PERIOD:
-        return None
-    levelling = job_levelling(job, process, groove, low, where) or job.mask.levelling_length
-    ends = np.array([low, high])
-    ripple = float(curvature_ripple(process, ends, slot_ripple(ends, period, levelling)).max())
-    gates, fill = job.gates, groove.fill_fraction(curvature)
+    levelling = job_levelling(job, process, groove, ends[0], where) or job.mask.levelling_length
+    fits = (
+        fit_slots(ends, limits, levelling),
+        fit_dots(ends, limits, groove.pitch, levelling),
+    )
+    fill = groove.fill_fraction(curvature)
+    wet = float(fill.mean()) * groove.area / groove.pitch / job.process.solids_fraction
+    rows = [_judged(job, coated, process, fit, ends, limits, wet) for fit in fits if fit]
+    return max(rows, key=_rank, default=None)
+
+
+def _judged(
+    job: Job,
+    mesh: Mesh,
+    process: Process,
+    fit: Fit,
+    ends: tuple[float, float],
+    limits: tuple[float, float],
+    wet: float,
+) -> Proposal:
+    """Return a pattern's screen with its margin; `wet` is the mean volume printed [mm]."""
+    low, high = ends
+    ripple = float(curvature_ripple(process, np.array(ends), fit.residual).max())
+    gates = job.gates
     figures = {
         "ratio_min": low / max(gates.ratio_min, 1e-9),
         "ratio_max": (1 - high) / max(1 - gates.ratio_max, 1e-9),
@@ -197,13 +210,12 @@ def _row(
         "ripple_luminance": min(
             ENOUGH, gates.ripple_luminance / max(ripple * LUMINANCE_RESPONSE, 1e-12)
         ),
-        "aperture_um": low * period / limits[0] * (ENOUGH / SPARE),
+        "aperture_um": fit.aperture / limits[0] * (ENOUGH / SPARE),
     }
     weakest = min(figures, key=lambda name: figures[name])
-    wet = float(fill.mean()) * groove.area / groove.pitch / job.process.solids_fraction
     return Proposal(
-        coated, job.process.solids_fraction, period, ANGLES[0] * deg, low, high, low * period,
-        (1 - high) * period, ripple, math.nan, wet, figures[weakest], weakest,
+        mesh, job.process.solids_fraction, fit.pattern, fit.period, ANGLES[0] * deg, low, high,
+        fit.aperture, fit.web, ripple, math.nan, wet, figures[weakest], weakest,
     )  # fmt: skip
 
 
@@ -212,7 +224,7 @@ def _with_angle(job: Job, row: Proposal, groove: Groove) -> Proposal:
     from dataclasses import replace
 
     rules = MaskRules(
-        "slot", row.period, job.mask.min_aperture, job.mask.min_web,
+        row.pattern, row.period, job.mask.min_aperture, job.mask.min_web,
         levelling_length=job.mask.levelling_length, mesh=row.mesh,
     )  # fmt: skip
     mean = (row.ratio_min + row.ratio_max) / 2
@@ -246,7 +258,7 @@ def choose_screen(
     assert table is not None
     table = table.model_copy(update={"angle_deg": best.angle / deg})
     table.model_fields_set.add("angle_deg")
-    update = {"period_um": round(best.period / um, 6), "mesh": table, "pattern": "slot"}
+    update = {"period_um": round(best.period / um, 6), "mesh": table, "pattern": best.pattern}
     mask = chosen.mask.model_copy(update=update)
     mask.model_fields_set.update(update)
     return chosen.model_copy(update={"mask": mask}), best.reason()
