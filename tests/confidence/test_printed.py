@@ -15,7 +15,7 @@ from mpfcad.pipeline.confidence.runs import Runs
 from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import write_cad
-from mpfcad.report.page.wording import print_sentence
+from mpfcad.report.film.wording import print_sentence
 
 GROOVE = Groove(0.05, 0.025)
 CALIBRATION = """
