@@ -59,6 +59,8 @@ def test_a_resumed_trace_has_the_bits_of_an_uninterrupted_one(tmp_path, lit, who
     assert np.array_equal(resumed.luminance, whole.luminance)
     assert np.array_equal(resumed.standard_error, whole.standard_error)
     assert (resumed.contrast, resumed.paths) == (whole.contrast, whole.paths)
+    # What the rounds before the interruption gave is still known.
+    assert len(whole.convergence) > 2 and np.array_equal(resumed.convergence, whole.convergence)
     assert not entries(tmp_path)
 
 
