@@ -95,7 +95,7 @@ def run_led_design(
             "schema": 1,
             "name": design.name,
             "design": design.document(),
-            # Of films under LEDs no mask is written yet, so no screen limits them.
+            # A design under LEDs names no mesh, so no screen limits its films.
             "screen": PHOTOTOOL_ONLY,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.period),
