@@ -58,7 +58,8 @@ def guarded(where: object, expected: str, kind: type[MpfcadError] = InputError) 
     """
     try:
         yield
-    except MpfcadError:
+    except (MpfcadError, ImportError):
+        # An import that fails is none of the file's: not installed, or interrupted.
         raise
     except OSError as error:
         reason = error.strerror or error

@@ -54,10 +54,14 @@ def run_app(arguments: list[str]) -> int:
         return _exit_code(error)
 
 
+_signals: list[int] = []
+
+
 def _stop(number: int, frame: object) -> None:
     """End the work, so that what is half-written is removed; a second signal does not end that."""
     for one in (signal.SIGINT, signal.SIGTERM):
         signal.signal(one, signal.SIG_IGN)
+    _signals.append(number)
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     raise SystemExit(128 + number)
@@ -67,6 +71,9 @@ def _exit_code(error: BaseException) -> int:
     """Print one line for `error` and return the exit code it stands for."""
     from mpfcad.errors import ExportError, InputError
 
+    if signal.SIGINT in _signals and not isinstance(error, SystemExit):
+        # A library's import that is interrupted raises an error of its own.
+        return _stopped("interrupted", 130)
     if isinstance(error, SystemExit) and error.code == _TERMINATED:
         return _stopped("terminated", _TERMINATED)
     if isinstance(error, SystemExit):

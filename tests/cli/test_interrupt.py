@@ -35,3 +35,23 @@ def test_interrupted_run_leaves_nothing(tmp_path, number, code):
         ": a trace goes on where it was when the same command is given again"
     )
     assert list((tmp_path / "exports").iterdir()) == []
+
+
+def test_a_broken_import_is_no_verdict_of_a_runs_own_file(tmp_path):
+    """OCCT's import raises this when Ctrl-C comes in the middle of it."""
+    from mpfcad.errors import ExportError
+    from mpfcad.pipeline.run.file_check import FileFindings, judged
+
+    for foreign in (False, True):
+        found = FileFindings(foreign=foreign)
+        with pytest.raises(ImportError), judged(found, "g", tmp_path / "a"):
+            raise ImportError("initialization failed")
+        assert not found.gates
+    own = FileFindings()
+    with pytest.raises(ZeroDivisionError), judged(own, "g", tmp_path / "a"):
+        raise ZeroDivisionError
+    with judged(found, "g", tmp_path / "a"):
+        raise ZeroDivisionError
+    with judged(found, "g", tmp_path / "a"):
+        raise ExportError("a: no outline")
+    assert [gate.outcome for gate in found.gates] == ["FAIL", "FAIL"]

@@ -99,7 +99,7 @@ def _judged(path: Path, check) -> None:
     """Read as `verify` does, where a file that does not read back is a gate."""
     from mpfcad.pipeline.run.file_check import FileFindings, judged
 
-    found = FileFindings()
+    found = FileFindings(foreign=True)
     with judged(found, "file", path):
         check()
     if found.gates:
