@@ -162,3 +162,25 @@ def test_a_design_from_file_to_record(tmp_path):
     assert {FILM, CROSSED, STACK, "curvature-cell.npz", "design.html", "manifest.json"} <= names
     low, high = record["found"]["lamp_mura_contrast"]["ci95"]
     assert 0 <= low < high < 0.2 and len(record["tried"]) == 2
+
+
+def test_the_job_of_a_design_makes_its_films_bit_for_bit(tmp_path):
+    from mpfcad.job import read_job
+    from mpfcad.pipeline.led.design import write_job
+    from mpfcad.pipeline.plan.plan import read_plan
+    from mpfcad.pipeline.progress import SILENT
+    from mpfcad.pipeline.run.make import write_cad
+
+    coefficient = np.array([[66.0, 3.0 / 7], [1.0 / 3, 0.1]])
+    found, folder, out = CurvatureSeries(coefficient), tmp_path / "design", tmp_path / "job"
+    folder.mkdir()
+    out.mkdir()
+    one = design(tmp_path, "[constraint]\npiece_mm = 0.25\n[mask]\nperiod_um = 500.0\n")
+    write_films(one, read_stack("mini-led-4mm"), "mini-led-4mm", found, folder)
+    write_job(out / "d.toml", one, tmp_path / "design.toml", "mini-led-4mm", found)
+    plan = read_plan(read_job(out / "d.toml"), out / "d.toml")
+    assert plan.job.mask.period_um == 500
+    write_cad(plan, out, ("3mf",), SILENT)
+    assert (out / FILM).read_bytes() == (folder / FILM).read_bytes()
+    read = [read_library(place / CROSSED) for place in (folder, out)]
+    assert np.array_equal(read[0].chosen, read[1].chosen)

@@ -6,7 +6,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.design import Name
-from mpfcad.job.model import FilmTable, Positive, ResinTable, StackTable, Table
+from mpfcad.job.model import (
+    FilmTable,
+    MaskTable,
+    Positive,
+    ProcessTable,
+    ResinTable,
+    StackTable,
+    Table,
+)
 from mpfcad.job.reader import read_document, validate
 
 KIND = "leds"
@@ -49,7 +57,8 @@ class LedDesign(Table):
     """A whole design for LEDs.
 
     `films`: 1, a printed film in the job's place; 2, one more crossed over it, in the place of the
-    stack's film that is turned by 90°, with the same curvature at the same place.
+    stack's film that is turned by 90°, with the same curvature at the same place. `process` and
+    `mask` go into the job that is found; the search asks neither.
     """
 
     version: Literal[1] = Field(default=1, alias="schema")
@@ -61,6 +70,8 @@ class LedDesign(Table):
     constraint: LedConstraintTable = LedConstraintTable()
     search: LedSearchTable = LedSearchTable()
     film: FilmTable = FilmTable()
+    process: ProcessTable | None = None
+    mask: MaskTable | None = None
     stack: StackTable
     resin: ResinTable | None = None
 

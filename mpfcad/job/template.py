@@ -73,6 +73,8 @@ bodies = "separate"             # film.step: prism and resin apart, or "fused" i
 # start_along_mm = 200.0
 # sample_across_um = 2.5        # `mpfcad cad --format tif,dat`: points of the height map
 # sample_along_um = 50.0
+# levels = 64                   # under LEDs: curvatures of the library, and length of its pieces
+# piece_mm = 0.5
 stl = "whole"                   # `mpfcad cad`: one film.stl, or "tiles" of one lamp pitch each
 
 [stack]

@@ -11,6 +11,7 @@ from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.film import CurvatureSeries, PieceLibrary
+from mpfcad.job import build_job
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
@@ -95,7 +96,7 @@ def run_led_design(
             "schema": 1,
             "name": design.name,
             "design": design.document(),
-            # A design under LEDs names no mesh, so no screen limits its films.
+            # The search asks no screen; the job that is written does.
             "screen": PHOTOTOOL_ONLY,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.period),
@@ -106,10 +107,38 @@ def run_led_design(
             "found": describe_cell(found, run.seed),
         }
         write_text(folder / RECORD, canonical_json(record))
+        write_job(folder / f"{design.name}.toml", design, design_file, base(out), best.map)
         progress.stage(f"writing {PAGE}")
         write_led_page(folder / PAGE, record, shown_films(films, folder))
         write_manifest(folder, design.name, "led-design")
     return record
+
+
+def write_job(
+    path: Path, design: LedDesign, design_file: Path, stack: str, found: CurvatureSeries
+) -> None:
+    """Write the job of the map that was found; a stack's file is `stack` from beside the job."""
+    import tomli_w
+
+    tables = design.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    document: dict[str, Any] = {
+        "schema": 1,
+        "name": design.name,
+        "seed": design.seed,
+        "map": {"series_per_mm": found.coefficient.tolist()},
+        **({"crossed": {}} if design.films == 2 else {}),
+        **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
+        "cad": {"levels": design.constraint.levels, "piece_mm": design.constraint.piece_mm},
+        "stack": {**tables["stack"], **({"file": stack} if design.stack.file else {})},
+    }
+    calibration = document.get("process", {}).get("calibration")
+    if calibration is not None:
+        document["process"]["calibration"] = os.path.relpath(
+            design_file.parent / calibration, path.parent
+        )
+    build_job(document, str(design_file))
+    head = f"# Found by mpfcad design {design_file.name}\n# mpfcad run {path.name}\n"
+    write_text(path, head + tomli_w.dumps(document))
 
 
 def _trace(folder: Path, run: TraceRun, goal: float) -> CellResult:

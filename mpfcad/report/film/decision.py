@@ -183,6 +183,7 @@ def scale_values(record: Record, films: list[tuple[str, Record]]) -> Record:
 def strip_values(films: list[tuple[str, Record]]) -> Record:
     """Return pictures of several (name, trace) on common scales."""
     curves = [strip_of(found) for _, found in films]
+    is_cell = any("cell" in found for _, found in films)
     white, reach = 1.05 * max(float(np.max(curve)) for curve in curves), common_reach(curves)
     rows = [
         {
@@ -198,8 +199,10 @@ def strip_values(films: list[tuple[str, Record]]) -> Record:
         "white": f"{white:.0f}",
         "reach": f"{reach * 100:.3g}",
         "scale": scale_strip(),
+        # Cells are shown in proportion; a strip of stripes is as high as one likes.
+        "style": "height:auto" if is_cell else "",
         "words": f"{PITCHES} × {ROWS} cells of LEDs, from the fitted series"
-        if any("cell" in found for _, found in films)
+        if is_cell
         else f"{PITCHES} lamp pitches, made from the curve below: one pitch, repeated",
     }
 
