@@ -12,6 +12,9 @@ curvature_per_mm = 60.0         # one curvature everywhere, or a file (relative 
 # file = "my-film.csv"          # columns position_mm,curvature_per_mm; or .npz with those arrays
 # extent = "pitch"              # "pitch": the file spans one lamp pitch, 0 above a lamp; "panel"
 # repeat = "repeat"             # "mirror": the file spans half a pitch and is mirrored
+# series_per_mm = [[60, 1], [1.5, 0]]  # under LEDs, instead of a file: cosines over their cell
+
+# [crossed]                     # under LEDs: the film across is printed too, with the same C
 
 [film]
 profile = "filled"              # resin in a BEF, printable for C <= 80 /mm; "ideal": a mould only
