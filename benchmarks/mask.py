@@ -163,7 +163,7 @@ def order(path):
     from mpfcad.job import read_job
     from mpfcad.mask.screen.order_sheet import write_order
     from mpfcad.pipeline import read_mask_plan
-    from mpfcad.pipeline.run.mask_order import job_order
+    from mpfcad.pipeline.plan.printed.order import job_order
 
     plan = read_mask_plan(read_job(JOB), JOB)
     write_order(path, job_order(plan.job, plan.mask, plan.process), "PASS", {})

@@ -21,7 +21,7 @@ ROOT = Path(mpfcad.__file__).parent
 #: Films over the panel are films too, those that the tracer knows, and the masks made of them.
 FILMS = {
     *(kind.__name__ for kind in KINDS), "FieldFilm", "CurvatureField", "Film", "LibraryFilm",
-    *("GrooveMask", "DitherMask", "LevelMask"),
+    *("GrooveMask", "DitherMask", "LevelMask", "GrooveMap", "FieldMap", "CellFilmMap"),
 }  # fmt: skip
 ASKING = sorted(
     path

@@ -18,11 +18,11 @@ from mpfcad.mask.check.read_oasis import read_oasis
 from mpfcad.mask.rule import GRID
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.plan.plan import read_plan
+from mpfcad.pipeline.plan.printed.order import phototool
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.examine import compare_curvature, compare_resin
 from mpfcad.pipeline.run.file_check import examine_files
 from mpfcad.pipeline.run.make import plan_mask, write_cad, write_masks
-from mpfcad.pipeline.run.mask_order import phototool
 from mpfcad.record import ORDER, Checks, build_gates
 from mpfcad.record.printing import PREFIX, PrintLimits, mask_gates, print_gates
 from mpfcad.report.film.wording import GATES

@@ -8,9 +8,9 @@ from mpfcad.job.design import Design
 from mpfcad.pipeline.design.aim import design_constraint
 from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.plan.plan import read_plan
-from mpfcad.pipeline.plan.printable import printable_range
-from mpfcad.pipeline.plan.process import read_job_process
-from mpfcad.pipeline.plan.screen import mask_rules
+from mpfcad.pipeline.plan.printed.printable import printable_range
+from mpfcad.pipeline.plan.printed.process import read_job_process
+from mpfcad.pipeline.plan.printed.screen import mask_rules
 from mpfcad.pipeline.point.trace import describe_point_screen
 from mpfcad.pipeline.run.mask_plan import read_mask_plan
 
@@ -33,7 +33,7 @@ def job_of(curvature, **tables):
 
 
 def test_every_map_within_the_limits_passes_the_screen_s_gates(tmp_path):
-    from mpfcad.pipeline.plan.printing import plan_printing
+    from mpfcad.pipeline.plan.printed.printing import plan_printing
 
     _, _, limits = limits_of(tmp_path, **MESH)
     assert 20.0 < limits.curvature_min < limits.curvature_max < 70.0

@@ -6,7 +6,7 @@ import pytest
 from mpfcad.film import Groove, PrismFilm, read_process
 from mpfcad.mask import MaskRules, build_mask
 from mpfcad.mask.pattern.levelling import levelling_residual
-from mpfcad.pipeline.plan.fit import fit_dots, fit_slots
+from mpfcad.pipeline.plan.printed.fit import fit_dots, fit_slots
 
 WIDE = Groove(0.150, 0.075)
 LIMIT = (0.056, 0.056)

@@ -10,8 +10,8 @@ from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.job.design import Design
 from mpfcad.mask.rule import ratio_range
-from mpfcad.pipeline.plan.printable import printable_range
-from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
+from mpfcad.pipeline.plan.printed.printable import printable_range
+from mpfcad.pipeline.plan.printed.screen import job_levelling, mask_rules
 from mpfcad.units import um
 
 #: What the luminance is worth against contrast when it is to be the most within a contrast.

@@ -6,8 +6,8 @@ import numpy as np
 
 from mpfcad.job import Job, build_job
 from mpfcad.job.design import Design
-from mpfcad.pipeline.plan.propose import with_screen
-from mpfcad.pipeline.plan.screen import with_own_catalogue
+from mpfcad.pipeline.plan.printed.propose import with_screen
+from mpfcad.pipeline.plan.printed.screen import with_own_catalogue
 
 
 def with_design_screen(design: Design, file: Path) -> tuple[Design, Job]:

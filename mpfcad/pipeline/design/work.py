@@ -28,8 +28,8 @@ from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack
-from mpfcad.pipeline.plan.process import read_job_process
-from mpfcad.pipeline.plan.screen import screen_mesh
+from mpfcad.pipeline.plan.printed.process import read_job_process
+from mpfcad.pipeline.plan.printed.screen import screen_mesh
 from mpfcad.pipeline.plan.tube import read_tube_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad

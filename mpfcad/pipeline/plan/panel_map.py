@@ -1,7 +1,7 @@
 """What a job wants of each place of the panel: a curvature a groove, or a map C(x, y)."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,10 @@ class PanelMap(Protocol):
     def curvature(self) -> NDArray[np.float64]:
         """Every curvature [1/mm] that a screen has to print, one axis."""
 
+    @property
+    def crossed(self) -> "PanelMap | None":
+        """The map of a second film that lies across, if there is one."""
+
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
         """Return the panel and its piece; `measured` is the job's mean groove, if it has one.
 
@@ -48,6 +52,7 @@ class GrooveMap:
     """A curvature a groove, (n,) float64 [1/mm]."""
 
     curvature: NDArray[np.float64]
+    crossed: ClassVar[None] = None
 
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
         """Return the panel of these grooves, and the piece as the job says it is made."""
@@ -69,6 +74,7 @@ class FieldMap:
     """A curvature that varies along the grooves too."""
 
     film: FieldFilm
+    crossed: ClassVar[None] = None
 
     @property
     def curvature(self) -> NDArray[np.float64]:

@@ -21,15 +21,15 @@ from mpfcad.film import (
 )
 from mpfcad.job import Job, build_job
 from mpfcad.pipeline.plan.cell import crossed_layer, refuse_cell_map, turned_job, with_crossed
-from mpfcad.pipeline.plan.cell_map import CellFilmMap, read_cell_film_map, restore_cell_film_map
+from mpfcad.pipeline.plan.cell_map import read_cell_film_map, restore_cell_film_map
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
 from mpfcad.pipeline.plan.groove_map import read_map
 from mpfcad.pipeline.plan.made import Drawn, read_measured
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap, GrooveMap, PanelMap, as_written
-from mpfcad.pipeline.plan.process import read_job_process, with_reason
-from mpfcad.pipeline.plan.propose import with_screen
-from mpfcad.pipeline.plan.screen import with_own_catalogue
+from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
+from mpfcad.pipeline.plan.printed.propose import with_screen
+from mpfcad.pipeline.plan.printed.screen import with_own_catalogue
 from mpfcad.pipeline.plan.size import groove_count
 
 CURVATURE_FILE = "curvature.csv"
@@ -298,7 +298,7 @@ def _build_plan(
         job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
         laid.field_film, measured=laid.measured,
     )  # fmt: skip
-    if not isinstance(panel_map, CellFilmMap) or panel_map.crossed is None:
+    if panel_map.crossed is None:
         return plan
     crossed_layer(stack, where)
     across = _build_plan(turned_job(job), stack, process, panel_map.crossed, None, where)

@@ -17,7 +17,7 @@ from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack
-from mpfcad.pipeline.plan.printable import printable_range
+from mpfcad.pipeline.plan.printed.printable import printable_range
 from mpfcad.pipeline.plan.tube import read_tube_plan
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
 from mpfcad.pipeline.progress import SILENT

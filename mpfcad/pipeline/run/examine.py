@@ -34,7 +34,7 @@ from mpfcad.pipeline.confidence.printed import find_printed
 from mpfcad.pipeline.effort import TraceSetting, available_threads
 from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
-from mpfcad.pipeline.plan.printing import plan_printing
+from mpfcad.pipeline.plan.printed.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.run.facet import facet_convergence
 from mpfcad.pipeline.run.file_check import FileFindings, Solid, examine_files, examine_foreign

@@ -18,9 +18,9 @@ from mpfcad.gate import Gate, yes_no
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.pipeline.kind import Kind, kind_of
 from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.printed.order import phototool
 from mpfcad.pipeline.progress import Progress, Silent
 from mpfcad.pipeline.run.make import check_masks, mask_names
-from mpfcad.pipeline.run.mask_order import phototool
 
 
 class Solid(NamedTuple):

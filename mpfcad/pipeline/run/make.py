@@ -12,7 +12,7 @@ from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.pipeline.kind import Check, kind_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.pipeline.plan.plan import Plan
-from mpfcad.pipeline.plan.screen import job_levelling, mask_rules
+from mpfcad.pipeline.plan.printed.screen import job_levelling, mask_rules
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.progress import Progress
 

@@ -22,13 +22,13 @@ from mpfcad.pipeline.plan.plan import (
     read_plan,
     stored_job,
 )
-from mpfcad.pipeline.plan.printing import job_print_limits, plan_printing
-from mpfcad.pipeline.plan.process import read_job_process, with_reason
-from mpfcad.pipeline.plan.propose import Proposal, propose, with_screen
-from mpfcad.pipeline.plan.screen import moire_setting, with_own_catalogue
+from mpfcad.pipeline.plan.printed.order import ORDER, job_order, named, phototool, write_job_order
+from mpfcad.pipeline.plan.printed.printing import job_print_limits, plan_printing
+from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
+from mpfcad.pipeline.plan.printed.propose import Proposal, propose, with_screen
+from mpfcad.pipeline.plan.printed.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
-from mpfcad.pipeline.run.mask_order import ORDER, job_order, named, phototool, write_job_order
 from mpfcad.record import in_order
 from mpfcad.record.printing import mask_gates, print_gates, printability
 

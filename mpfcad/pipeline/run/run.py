@@ -15,6 +15,14 @@ from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads, over_pitch
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.need import refuse_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
+from mpfcad.pipeline.plan.printed.order import (
+    ORDER,
+    job_order,
+    named,
+    phototool,
+    refuse_mask_formats,
+    write_job_order,
+)
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
     check_cad,
@@ -27,14 +35,6 @@ from mpfcad.pipeline.run.make import (
     write_mask_pictures,
     write_masks,
     write_tiles,
-)
-from mpfcad.pipeline.run.mask_order import (
-    ORDER,
-    job_order,
-    named,
-    phototool,
-    refuse_mask_formats,
-    write_job_order,
 )
 from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
 from mpfcad.pipeline.run.repair import repair_mesh

@@ -11,8 +11,8 @@ from mpfcad.boundary import guarded
 from mpfcad.errors import ExportError, InputError, MpfcadError
 from mpfcad.export import canonical_json, check_manifest
 from mpfcad.measure import Checkpoints
+from mpfcad.pipeline.plan.printed.order import ORDER
 from mpfcad.pipeline.progress import SILENT, Progress
-from mpfcad.pipeline.run.mask_order import ORDER
 from mpfcad.pipeline.run.run import REPORT, VERIFICATION, write_run_order
 from mpfcad.record import Rounded, compare_records
 from mpfcad.store import Store, code_hash, versions

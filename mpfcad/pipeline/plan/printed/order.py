@@ -11,7 +11,7 @@ from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, Phototool
 from mpfcad.mask.screen.order import OrderTerms, describe_order, order_lines
-from mpfcad.pipeline.plan.screen import moire_setting
+from mpfcad.pipeline.plan.printed.screen import moire_setting
 from mpfcad.pipeline.plan.size import refuse_picture
 from mpfcad.record.printing import RATIO_LIMIT
 from mpfcad.units import mm, um

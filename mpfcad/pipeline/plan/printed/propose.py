@@ -20,9 +20,9 @@ from mpfcad.mask.fabric import Mesh, read_catalogue, shipped_catalogue
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting, worst_contrast
 from mpfcad.mask.screen.printing import LUMINANCE_RESPONSE, curvature_ripple
-from mpfcad.pipeline.plan.fit import SPARE, Fit, fit_dots, fit_slots
-from mpfcad.pipeline.plan.process import read_job_process
-from mpfcad.pipeline.plan.screen import job_levelling, with_mesh
+from mpfcad.pipeline.plan.printed.fit import SPARE, Fit, fit_dots, fit_slots
+from mpfcad.pipeline.plan.printed.process import read_job_process
+from mpfcad.pipeline.plan.printed.screen import job_levelling, with_mesh
 from mpfcad.units import deg, um
 
 #: Solids fractions that are tried, and angles of the mesh to the grooves [°].

@@ -4,7 +4,7 @@ from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask
 from mpfcad.mask.screen.printing import Printing, find_printing
-from mpfcad.pipeline.plan.process import implied_release
+from mpfcad.pipeline.plan.printed.process import implied_release
 from mpfcad.record.printing import PrintLimits
 from mpfcad.units import um
 

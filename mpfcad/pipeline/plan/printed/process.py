@@ -11,7 +11,7 @@ from mpfcad.film.process.model import NORMAL_95
 from mpfcad.film.process.posterior import RELEASE_DEVIATION
 from mpfcad.job import Job
 from mpfcad.mask.fabric import Mesh, shipped_catalogue
-from mpfcad.pipeline.plan.screen import screen_mesh
+from mpfcad.pipeline.plan.printed.screen import screen_mesh
 from mpfcad.units import um
 
 PRIOR_CAVEATS = (

@@ -1,0 +1,1 @@
+"""What prints the map: process, mask rules, the screen and how it is chosen, the order."""
