@@ -100,7 +100,7 @@ def test_dark_flat_crop_and_rotation_are_taken_into_account(tmp_path):
     names = [tmp_path / f"{name}.tif" for name in ("photo", "dark", "flat")]
     for path, frame in zip(names, counts(image(rows=200, turn=turn)), strict=True):
         tifffile.imwrite(path, frame)
-    photo = Photo(0.125, 0.25, names[1], names[2], (10, 5, 630, 195), -turn)
+    photo = Photo(0.125, 0.25, names[1], names[2], (10, 5, 630, 195), turn)
     curve = curve_of_image(read_image(names[0], photo))
     pitch = find_pitch("photo", curve.position, curve.luminance)
     assert pitch == pytest.approx(PITCH, rel=5e-3)
@@ -123,6 +123,17 @@ def test_a_dark_frame_is_taken_off_the_flat_field_too(tmp_path):
     curve = curve_of_image(read_image(tmp_path / "photo.csv", photo))
     assert curve.luminance == pytest.approx(0.25 * light[0], rel=1e-9)
     assert curve.position == pytest.approx(0.5 * np.arange(32) + 0.25)
+
+
+def test_an_image_is_turned_the_way_that_its_angle_says(tmp_path):
+    """Stripes that run askew run down the columns afterwards, and twice as askew the other way."""
+    turn = np.radians(8.0)
+    np.savetxt(tmp_path / "photo.csv", image(rows=200, turn=turn), "%.6f", ";")
+    spread = []
+    for rotation in (turn, -turn):
+        light = read_image(tmp_path / "photo.csv", Photo(0.125, rotation=rotation)).luminance
+        spread.append(light.std(axis=0).max() / light.std())
+    assert spread[0] < 0.02 and spread[1] > 0.3
 
 
 def test_spots_have_the_contrast_of_their_cell(tmp_path):
