@@ -133,7 +133,7 @@ def test_export_names_neither_time_nor_place(export):
 class Page(HTMLParser):
     """Collects what a page refers to, its ids, and whether its tags match."""
 
-    VOID = ("meta", "br", "rect", "polygon", "polyline", "line", "circle", "path", "img", "link")
+    VOID = ("meta", "br", "input", "rect", "polygon", "polyline", "line", "circle", "path", "img", "link")
 
     def __init__(self):
         super().__init__()
@@ -142,8 +142,9 @@ class Page(HTMLParser):
     def handle_starttag(self, tag, attributes):
         for name, value in attributes:
             if name in ("src", "href"):
-                # An embedded picture refers to nothing outside the page.
-                self.references += [value] * (not value.startswith("data:image/png;base64,"))
+                # An embedded picture refers to nothing outside the page, nor does no icon at all.
+                inside = value.startswith("data:image/png;base64,") or value == "data:,"
+                self.references += [value] * (not inside)
             if name == "id":
                 self.ids.append(value)
         if tag not in self.VOID:

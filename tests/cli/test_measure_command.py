@@ -47,8 +47,9 @@ def estimates(value):
     if isinstance(value, dict):
         if "ci95" in value:
             yield value
-        for entry in value.values():
-            yield from estimates(entry)
+        for name, entry in value.items():
+            # The contrast after each round stands in columns.
+            yield from estimates(entry) if name != "convergence" else ()
     elif isinstance(value, list):
         for entry in value:
             yield from estimates(entry)

@@ -129,7 +129,7 @@ def _map(suffix: str) -> tuple[bytes, ...]:
     from tests.film.areal_file import write_map
 
     x = np.arange(40) * 0.0025
-    height = np.repeat((0.03 * (np.abs(x % 0.05 - 0.025)) / 0.025)[:, None], 8, axis=1)
+    height = np.repeat((0.025 * (np.abs(x % 0.05 - 0.025)) / 0.025)[:, None], 8, axis=1)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"a{suffix}"
         write_map(path, height, 0.0025)
@@ -146,9 +146,8 @@ def _pieces() -> tuple[bytes, ...]:
     from mpfcad.film import Groove
     from mpfcad.film.field.library import PieceLibrary
 
-    library = PieceLibrary(
-        Groove(0.05, 0.025), 0.2, 0.5, np.array([55.0, 60.0]), np.array([[0, 1], [1, 0], [1, 1]])
-    )
+    level, chosen = np.array([55.0, 60.0]), np.array([[0, 1], [1, 0], [1, 1]])
+    library = PieceLibrary(Groove(0.05, 0.025), 0.2, 0.5, level, chosen, level[chosen])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.3mf"
         write_library(library, path, 2.0)

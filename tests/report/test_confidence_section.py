@@ -26,7 +26,8 @@ FOUND = {
 
 
 def page(record):
-    return render("report/confidence.html.j2", confidence=confidence_values(record), record=record)
+    values = confidence_values(record)
+    return render("report/confidence.html.j2", confidence=values, sliders=None, record=record)
 
 
 def test_the_section_shows_what_was_found():
