@@ -133,7 +133,19 @@ def test_export_names_neither_time_nor_place(export):
 class Page(HTMLParser):
     """Collects what a page refers to, its ids, and whether its tags match."""
 
-    VOID = ("meta", "br", "input", "rect", "polygon", "polyline", "line", "circle", "path", "img", "link")
+    VOID = (
+        "meta",
+        "br",
+        "input",
+        "rect",
+        "polygon",
+        "polyline",
+        "line",
+        "circle",
+        "path",
+        "img",
+        "link",
+    )
 
     def __init__(self):
         super().__init__()
