@@ -48,14 +48,15 @@ def likely_contrast(
     rng = np.random.Generator(np.random.Philox(seed + 1))
     few = steps[: len(steps) // 4]
     shares = [np.mean(best.drawn(rng).contrast(few) <= limit) for _ in range(_RESPONSES)]
-    # Noise in the response raises contrasts: what a second dose of it takes away, the first has
-    # taken too (the basic bootstrap: Davison and Hinkley, "Bootstrap methods", 1997).
+    # The share and the range below are of the same contrasts, so that they cannot contradict each
+    # other. Noise in the response raises contrasts: what a second dose of it takes away, the first
+    # may have taken too (the basic bootstrap: Davison and Hinkley, "Bootstrap methods", 1997), so
+    # the interval holds the share without both and with both.
     once, share = float(np.mean(best.contrast(few) <= limit)), float(np.mean(contrast <= limit))
-    value, low, high = (
-        float(np.clip(share + once - twice, 0, 1))
-        for twice in (np.mean(shares), *np.quantile(shares, [0.975, 0.025]))
-    )
-    interval = Estimate.within(value, min(low, value), max(high, value))
+    lower, upper = (float(end) for end in np.quantile(shares, [0.025, 0.975]))
+    low = float(np.clip(min(lower, share + once - upper), 0, share))
+    high = float(np.clip(max(upper, share + once - lower), share, 1))
+    interval = Estimate.within(share, low, high)
     low, middle, high = np.quantile(contrast, [0.025, 0.5, 0.975])
     return Likely(interval, Estimate.within(float(middle), float(low), float(high)))
 

@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from mpfcad.film import Process
 from mpfcad.mask.check.check import READERS
 from mpfcad.mask.check.found import FoundMask
-from mpfcad.mask.pattern.levelling import FULL_WIDTH
+from mpfcad.mask.pattern.levelling import FULL_WIDTH, REACH
 from mpfcad.mask.rule import GRID
 
 #: Grooves in the picture; periods and levelling lengths along it, at least; points of a period and
 #: of the whole, at most.
 GROOVES, PERIODS, LENGTHS, POINTS, MOST = 9, 4, 3, 48, 480
-#: Standard deviations at which the Gauss curve is cut: an earlier cut has a ripple of its own.
-_REACH = 6.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +66,7 @@ def levelled_window(
     step = max(period / POINTS, shown / MOST)
     count_along = round(shown / step)
     sigma = levelling_length / FULL_WIDTH / step
-    margin = int(np.ceil(_REACH * sigma))
+    margin = int(np.ceil(REACH * sigma))
     points = count_along + 2 * margin
     start = (bottom + top) / 2 * GRID - points * step / 2
     if start < bottom * GRID or start + points * step > top * GRID:
@@ -79,7 +77,7 @@ def levelled_window(
     edge = np.asarray(start + np.arange(points + 1) * step, np.float64)
     printed = np.stack([_open_share(found, (first + n) * pitch, pitch, edge) for n in range(count)])
 
-    levelled = gaussian_filter1d(printed, sigma, axis=1, truncate=_REACH)[:, margin:-margin]
+    levelled = gaussian_filter1d(printed, sigma, axis=1, truncate=REACH)[:, margin:-margin]
     curvature = process.curvature(np.clip(levelled, 0.0, 1.0))
     return LevelledWindow(
         first,
