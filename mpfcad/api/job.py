@@ -68,7 +68,7 @@ class Job(Sourced["Model"]):
         name
             of the job
         tables
-            the job's other tables
+            the job's other tables; keys of `map` go before `extent` and `repeat`
         extent, repeat
             what the map spans, as in `[map]` (docs/job.md)
         folder
@@ -99,6 +99,7 @@ class Job(Sourced["Model"]):
                 )
             rows = np.stack([position, curvature], axis=1).tolist()
             mapped = {"rows": rows, "extent": extent, "repeat": repeat}
+        mapped |= (tables or {}).get("map", {})
         return cls({**(tables or {}), "name": name, "map": mapped}, folder=folder)
 
     def run(

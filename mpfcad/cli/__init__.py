@@ -85,7 +85,9 @@ def _exit_code(error: BaseException) -> int:
     if isinstance(error, ExportError):
         return _fail(str(error), 1)
     if hasattr(error, "format_message"):  # what typer raises on wrong usage
-        return _fail(f"{error.format_message()} (see mpfcad --help)", 2)
+        message = error.format_message().replace(": Value error, ", ": ")
+        command = error.ctx.command_path if error.ctx else "mpfcad"
+        return _fail(f"{message} (see {command} --help)", 2)
     if isinstance(error, MemoryError):
         return _fail("out of memory", 3)
     return _fail(f"{type(error).__name__}: {error}", 3)

@@ -18,7 +18,7 @@ def one_line(text: str, limit: int = LINE_LIMIT - len("mpfcad: ")) -> str:
     if len(line) <= limit:
         return line
     tail = limit // 3
-    return f"{line[: limit - tail - 3]} … {line[-tail:]}"
+    return f"{line[: limit - tail - 5]} […] {line[-tail:]}"
 
 
 def _escaped(sign: str) -> str:

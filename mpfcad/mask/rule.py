@@ -152,10 +152,10 @@ def check_rules(
         top = process.curvature(low)
         bottom = process.curvature(min(high, process.aperture_ratio_max))
         raise InputError(
-            f"{where}: {groove_ranges(bad)}: aperture_ratio {ratio[bad].min():.4g} … "
-            f"{ratio[bad].max():.4g} (curvature_per_mm {curvature.min():.4g} … "
-            f"{curvature.max():.4g}): expected 0 or {low:.4g} … {high:.4g} ({asked}), "
-            f"that is curvature_per_mm {bottom:.4g} … {top:.4g} or {empty:g} (no resin)"
+            f"{where}: {groove_ranges(bad)}: curvature_per_mm {curvature.min():.4g} … "
+            f"{curvature.max():.4g} (aperture_ratio {ratio[bad].min():.4g} … "
+            f"{ratio[bad].max():.4g}): expected {bottom:.4g} … {top:.4g} or {empty:g} "
+            f"(ratio {low:.4g} … {high:.4g}: {asked})"
             f"{suggest_mesh(rules, size[along > 0].astype(np.float64), period)}"
         )
     if rules.pattern == "slot":
@@ -180,8 +180,11 @@ def suggest_mesh(rules: MaskRules, size: NDArray[np.float64], period: float) -> 
     needed = max(finest.min_feature, rules.min_aperture, rules.min_web)
     longer = ""
     if rules.pattern == "slot":
-        longer = f", as with a period of {period * needed / max(feature, GRID) / um:.4g} µm"
-    return f"; no common mesh would do: {finest.name} needs {needed / um:.4g} µm{longer}"
+        longer = f" (period {period * needed / max(feature, GRID) / um:.4g} µm)"
+    return (
+        f"; no mesh at this period: {finest.name} needs {needed / um:.4g} µm{longer}; see "
+        "mpfcad mask --propose"
+    )
 
 
 def _check_runs(where: str, is_open: NDArray[np.bool_], pitch: float, rules: MaskRules) -> None:

@@ -184,7 +184,7 @@ def test_grooves_that_a_mesh_cannot_print_are_named_with_the_mesh_that_would():
 
 def test_without_a_mesh_that_would_do_the_period_is_named():
     text = refusal([62.0] * 3, MaskRules("slot", 0.4, 0.010, 0.015, mesh=find_mesh("120-34")))
-    assert "no common mesh would do: 180-27 needs 55.56 µm, as with a period of " in text
-    period = float(text.split()[-2]) / 1000
+    assert "no mesh at this period: 180-27 needs 55.56 µm (period " in text
+    period = float(text.split("(period ")[1].split()[0]) / 1000
     rules = MaskRules("slot", period * 1.001, 0.010, 0.015, mesh=find_mesh("180-27"))
     build_mask(film_of([62.0] * 3), PROCESS, rules, "job")

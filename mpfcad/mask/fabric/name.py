@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 from mpfcad.mask.fabric.mesh import Material, Mesh
 from mpfcad.units import um
@@ -10,6 +11,8 @@ from mpfcad.units import um
 #: threads/cm / threads/inch - thread µm and letters for colour and weave: `120/305-34Y PW`.
 _NAME = re.compile(r"(?:(\d+(?:\.\d+)?)\s*/\s*)?(\d+(?:\.\d+)?)\s*[-.–]\s*(\d+)\s*[A-Za-z /]*$")
 INCH_IN_CM = 2.54
+#: Letters that are typed for figures.
+_LOOKS_LIKE = str.maketrans("OIL", "011")
 #: Words for steel, and for steel that was rolled; before the count or after the thread.
 _STEEL = re.compile(r"steel|stainless|inox|edelstahl|(?<![a-z])(ss|sus|v2a|v4a)(?![a-z])")
 _ROLLED = re.compile(r"calender|kalandriert|(?<![a-z])(cal|cl|c)(?![a-z])")
@@ -79,11 +82,15 @@ def match_name(text: str, meshes: Iterable[Mesh]) -> Mesh | None:
 
 
 def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]:
-    """Return the names of the meshes that are nearest to an unknown one, by count and thread."""
+    """Return the names of the meshes nearest to an unknown one: as written, then as woven."""
+    meshes = list(meshes)
+    typed = text.upper().translate(_LOOKS_LIKE)
+    names = {mesh.name.upper(): mesh.name for mesh in meshes}
+    alike = [names[name] for name in get_close_matches(typed, names, most, 0.6)]
     parsed = parse_name(text)
     number = re.search(r"\d+", text)
     if parsed is None and number is None:
-        return [mesh.name for mesh in meshes][:most]
+        return list(dict.fromkeys([*alike, *(mesh.name for mesh in meshes)]))[:most]
     alone = float(number[0]) if number else 0.0
     counts, thread = parsed or ((alone, alone / INCH_IN_CM), 0.0)
     likeliest = named_materials(text)[0]
@@ -93,4 +100,6 @@ def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]
         aside += 0.0 if mesh.material == likeliest else OTHER_MATERIAL
         return min(abs(math.log(mesh.count * 10 / count)) for count in counts if count > 0) + aside
 
-    return [mesh.name for mesh in sorted(meshes, key=distance)[:most]]
+    woven = [mesh.name for mesh in sorted(meshes, key=distance)[:most]]
+    first = sorted(alike[: most // 2], key=distance)
+    return list(dict.fromkeys([*first, *woven, *alike]))[:most]
