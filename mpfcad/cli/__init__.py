@@ -86,7 +86,8 @@ def _exit_code(error: BaseException) -> int:
         return _fail(str(error), 1)
     if hasattr(error, "format_message"):  # what typer raises on wrong usage
         message = error.format_message().replace(": Value error, ", ": ")
-        command = error.ctx.command_path if error.ctx else "mpfcad"
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "mpfcad"
         return _fail(f"{message} (see {command} --help)", 2)
     if isinstance(error, MemoryError):
         return _fail("out of memory", 3)

@@ -85,12 +85,12 @@ def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]
     """Return the names of the meshes nearest to an unknown one: as written, then as woven."""
     meshes = list(meshes)
     typed = text.upper().translate(_LOOKS_LIKE)
-    names = {mesh.name.upper(): mesh.name for mesh in meshes}
+    names = {mesh.name.upper(): mesh for mesh in meshes}
     alike = [names[name] for name in get_close_matches(typed, names, most, 0.6)]
     parsed = parse_name(text)
     number = re.search(r"\d+", text)
     if parsed is None and number is None:
-        return list(dict.fromkeys([*alike, *(mesh.name for mesh in meshes)]))[:most]
+        return _first(most, alike, meshes)
     alone = float(number[0]) if number else 0.0
     counts, thread = parsed or ((alone, alone / INCH_IN_CM), 0.0)
     likeliest = named_materials(text)[0]
@@ -100,6 +100,9 @@ def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]
         aside += 0.0 if mesh.material == likeliest else OTHER_MATERIAL
         return min(abs(math.log(mesh.count * 10 / count)) for count in counts if count > 0) + aside
 
-    woven = [mesh.name for mesh in sorted(meshes, key=distance)[:most]]
-    first = sorted(alike[: most // 2], key=distance)
-    return list(dict.fromkeys([*first, *woven, *alike]))[:most]
+    woven = sorted(meshes, key=distance)
+    return _first(most, sorted(alike[: most // 2], key=distance), woven)
+
+
+def _first(most: int, *groups: list[Mesh]) -> list[str]:
+    return list(dict.fromkeys(mesh.name for group in groups for mesh in group))[:most]

@@ -70,9 +70,8 @@ def levelling_residual(mask: Mask) -> Residual:
             np.diff(integral(int(groove), 1, position)[0]) / np.diff(position)
             for integral in (mask.open_length, mask.wanted_length)
         )
-        error = gaussian_filter1d(drawn - wanted, sigma, truncate=REACH)[
-            margin : points - 1 - margin
-        ]
+        error = gaussian_filter1d(drawn - wanted, sigma, truncate=REACH)
+        error = error[margin : points - 1 - margin]
         square.append(float(np.mean(error**2)))
         worst = max(worst, float(np.abs(error).max()))
         ratio.append(float(wanted.mean()))
