@@ -155,7 +155,7 @@ def check_rules(
             f"{where}: {groove_ranges(bad)}: curvature_per_mm {curvature.min():.4g} … "
             f"{curvature.max():.4g} (aperture_ratio {ratio[bad].min():.4g} … "
             f"{ratio[bad].max():.4g}): expected {bottom:.4g} … {top:.4g} or {empty:g} "
-            f"(ratio {low:.4g} … {high:.4g}: {asked})"
+            f"(no resin; ratio {low:.4g} … {high:.4g}: {asked})"
             f"{suggest_mesh(rules, size[along > 0].astype(np.float64), period)}"
         )
     if rules.pattern == "slot":

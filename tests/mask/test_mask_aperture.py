@@ -108,8 +108,7 @@ def test_apertures_too_small_name_grooves_and_both_ranges():
         "grooves 12-40, 600-612: ",
         "0.01362",
         "68 … 70",
-        "expected 0 or 0.0375 … 0.9625",
-        "0 … 63.84 or 80 (no resin)",
+        "expected 0 … 63.84 or 80 (no resin; ratio 0.0375 … 0.9625: ",
     )
 
 
