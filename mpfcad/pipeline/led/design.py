@@ -124,7 +124,8 @@ def write_job(
     document: dict[str, Any] = {
         "schema": 1,
         "name": design.name,
-        "seed": design.seed,
+        # Another than the search's: the map was chosen by that one's noise.
+        "seed": design.seed + 1,
         "map": {"series_per_mm": found.coefficient.tolist()},
         **({"crossed": {}} if design.films == 2 else {}),
         **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
