@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.check.mesh_file_check import BodyCheck, body_volume, check_volume, merged_height
+from mpfcad.cad.check.threemf import read_model
 from mpfcad.errors import ExportError
 from mpfcad.film import PieceLibrary, PrismFilm
 
@@ -63,16 +64,8 @@ def read_pieces(path: Path) -> PlacedPieces:
     ExportError
         when lib3mf cannot read it, its unit is not mm, or an instance is turned or lifted.
     """
-    import lib3mf
-
     path = Path(path)
-    model = lib3mf.Wrapper().CreateModel()
-    try:
-        model.QueryReader("3mf").ReadFromFile(str(path))
-    except lib3mf.ELib3MFException as error:
-        raise ExportError(f"{path.name}: lib3mf cannot read this file: {error}") from error
-    if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
-        raise ExportError(f"{path.name}: unit {model.GetUnit()}: expected mm")
+    model = read_model(path)
     point, facet, open_piece = {}, {}, None
     meshes = model.GetMeshObjects()
     while meshes.MoveNext():

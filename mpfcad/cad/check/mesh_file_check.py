@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import refuse_above
+from mpfcad.cad.check.threemf import read_model
 from mpfcad.cad.shape.mesh import mesh_contact, mesh_sliver
 from mpfcad.errors import ExportError
 from mpfcad.film import PrismFilm
@@ -54,15 +55,7 @@ def check_3mf_bodies(path: Path, expected: dict[str, float], whole: float) -> Bo
     ExportError
         when the unit is not mm, a body is missing or not closed, or a volume is off.
     """
-    import lib3mf
-
-    model = lib3mf.Wrapper().CreateModel()
-    try:
-        model.QueryReader("3mf").ReadFromFile(str(path))
-    except lib3mf.ELib3MFException as error:
-        raise ExportError(f"{path.name}: lib3mf cannot read this file: {error}") from error
-    if model.GetUnit() != lib3mf.ModelUnit.MilliMeter:
-        raise ExportError(f"{path.name}: unit {model.GetUnit()}: expected mm")
+    model = read_model(path)
     bodies = _placed_meshes(path, model)
     if set(bodies) != set(expected):
         raise ExportError(f"{path.name}: bodies {sorted(bodies)}: expected {sorted(expected)}")
