@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.confidence import (
     Factor,
@@ -77,25 +78,14 @@ def _describe(
     job, table = plan.job, plan.job.confidence_table
     between = correlation(factors, table.covariance_of())
     steps = draw_steps(factors, between, job.seed)
-    limits = {"pass": job.gates.contrast_pass, "marginal": job.gates.contrast_marginal}
-    likely = {
-        name: likely_contrast(response, steps, limit, job.seed) for name, limit in limits.items()
-    }
     share = shares_of_variance(response, between)
     order = sorted(range(len(factors)), key=lambda i: (-share[i], factors[i].name))
     return {
-        "probability": {
-            name: {"limit": limits[name], **describe_estimate(one.probability)}
-            for name, one in likely.items()
-        },
-        "contrast": describe_estimate(likely["marginal"].contrast),
+        **describe_likely(plan, response, steps),
         "contrast_as_stated": luminance.contrast.value,
         "inputs": [
             {
-                "name": factors[i].name,
-                "value": factors[i].value,
-                "sigma": factors[i].sigma,
-                "source": factors[i].source,
+                **describe_factor(factors[i]),
                 "share_of_variance": float(share[i]),
                 **describe_effect(factors[i], response, i),
                 "standard_error": [
@@ -104,10 +94,39 @@ def _describe(
             }
             for i in order
         ],
-        "measure_next": rank_measurements(response, factors, steps, limits["marginal"], job.seed),
+        "measure_next": rank_measurements(
+            response, factors, steps, job.gates.contrast_marginal, job.seed
+        ),
         "left_out": left_out,
         "paths": paths,
         "draws": len(steps),
+    }
+
+
+def describe_likely(plan: Plan, response: Response, steps: NDArray[np.float64]) -> dict[str, Any]:
+    """Return how likely each limit is met over steps (n, k) of the inputs, fit for JSON."""
+    gates = plan.job.gates
+    limits = {"pass": gates.contrast_pass, "marginal": gates.contrast_marginal}
+    likely = {
+        name: likely_contrast(response, steps, limit, plan.job.seed)
+        for name, limit in limits.items()
+    }
+    return {
+        "probability": {
+            name: {"limit": limits[name], **_describe_estimate(one.probability)}
+            for name, one in likely.items()
+        },
+        "contrast": _describe_estimate(likely["marginal"].contrast),
+    }
+
+
+def describe_factor(factor: Factor) -> dict[str, Any]:
+    """Return an input as it is stated, fit for JSON."""
+    return {
+        "name": factor.name,
+        "value": factor.value,
+        "sigma": factor.sigma,
+        "source": factor.source,
     }
 
 
@@ -123,6 +142,6 @@ def describe_effect(factor: Factor, response: Response, number: int) -> dict[str
     }
 
 
-def describe_estimate(estimate: Estimate) -> dict[str, Any]:
+def _describe_estimate(estimate: Estimate) -> dict[str, Any]:
     """Return value and 95 % interval, fit for JSON."""
     return {"value": estimate.value, "ci95": [estimate.low, estimate.high]}

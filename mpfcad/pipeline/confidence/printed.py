@@ -10,9 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from mpfcad.confidence import draw_steps, likely_contrast
+from mpfcad.confidence import draw_steps
 from mpfcad.measure import LuminanceResult
-from mpfcad.pipeline.confidence.find import describe_effect, describe_estimate, variants_of
+from mpfcad.pipeline.confidence.find import (
+    describe_effect,
+    describe_factor,
+    describe_likely,
+    variants_of,
+)
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
@@ -39,26 +44,10 @@ def find_printed(
         runs = Runs(variants, factors, reading_of(luminance), plan.job.seed, threads, progress)
         response = runs.respond_alone(_SHARE * luminance.paths)
     steps = draw_steps(factors, np.eye(len(factors)), plan.job.seed)
-    gates = plan.job.gates
-    limits = {"pass": gates.contrast_pass, "marginal": gates.contrast_marginal}
-    likely = {
-        name: likely_contrast(response, steps, limit, plan.job.seed)
-        for name, limit in limits.items()
-    }
     return {
-        "probability": {
-            name: {"limit": limits[name], **describe_estimate(one.probability)}
-            for name, one in likely.items()
-        },
-        "contrast": describe_estimate(likely["marginal"].contrast),
+        **describe_likely(plan, response, steps),
         "inputs": [
-            {
-                "name": factor.name,
-                "value": factor.value,
-                "sigma": factor.sigma,
-                "source": factor.source,
-                **describe_effect(factor, response, number),
-            }
+            {**describe_factor(factor), **describe_effect(factor, response, number)}
             for number, factor in enumerate(factors)
         ],
         "paths": runs.paths,
