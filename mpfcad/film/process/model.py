@@ -124,11 +124,6 @@ class Process:
         return float(self.knot_fill[1] / self.knot_ratio[1]) if self.kind == "volume" else None
 
     @property
-    def is_straight(self) -> bool:
-        """Whether fill is proportional to the aperture ratio."""
-        return self.kind == "volume"
-
-    @property
     def aperture_ratio_max(self) -> float:
         """Largest useful aperture ratio: the groove is full, or the calibration ends."""
         return float(self.knot_ratio[-1])

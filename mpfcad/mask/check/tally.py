@@ -186,10 +186,6 @@ class Tally:
             wide = np.where(first + k <= last, np.maximum(wide, 0), 0)
             np.add.at(self._turned, square, (length * wide).T)
 
-    def _side(self, width: int, height: int) -> int:
-        """Return the narrower side of listed apertures that counts."""
-        return height if self.is_slot else min(width, height)
-
     def _note(self, aperture: int | None, web: int | None) -> None:
         for name, size in (("smallest_aperture", aperture), ("smallest_web", web)):
             before = getattr(self, name)

@@ -34,9 +34,3 @@ def columns_of(arrays: Iterable[ApertureArray]) -> Iterator[ApertureArray]:
         else:
             for x, y in place.positions():
                 yield ApertureArray(array.shape, Placement((int(x), int(y))))
-
-
-def flat_columns(drawing: Drawing) -> Iterator[ApertureArray]:
-    """Yield every aperture of a drawing as columns."""
-    yield from columns_of(drawing.arrays)
-    yield from columns_of(flat_tiles(drawing))

@@ -54,15 +54,6 @@ class Columns:
         """Upper edge of each column's last rectangle, (m,) int64 [grid steps]."""
         return self.bottom + (self.count - 1) * self.step + self.height
 
-    def is_inside(self, left: int, bottom: int, right: int, top: int) -> bool:
-        """Return whether all rectangles lie within a box [grid steps]."""
-        return bool(
-            np.all(self.left >= left)
-            and np.all(self.right <= right)
-            and np.all(self.bottom >= bottom)
-            and np.all(self.top <= top)
-        )
-
 
 def column_area(columns: Columns, edge: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the open area over each groove, (n,) int64 [grid steps²], between the tips `edge`."""

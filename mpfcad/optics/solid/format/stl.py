@@ -14,12 +14,6 @@ _RECORD = np.dtype(
 _HEAD = 84
 
 
-def is_stl_text(data: bytes) -> bool:
-    """Tell whether a file is an STL written as text."""
-    start = data[:2000].lstrip().lower()
-    return start.startswith(b"solid") and (b"facet" in start or b"endsolid" in start)
-
-
 def read_stl_text(path: Path, data: bytes) -> MeshFile:
     """Return the bodies of an STL written as text.
 
