@@ -3,6 +3,16 @@
 import subprocess
 import sys
 
+#: The smallest panel: one lamp, 80 grooves.
+SMALL_STACK = """[stack.override]
+lamp_count = 1
+lamp_pitch_mm = 4.0
+lamp_radius_mm = 0.2
+lamp_height_mm = 0.5
+panel_width_mm = 4.0
+panel_length_mm = 2.0
+"""
+
 
 def mpfcad(*arguments, cwd, timeout=600):
     """Run the command line in its own process."""

@@ -12,6 +12,7 @@ import shutil
 from collections import Counter
 
 import pytest
+from command import SMALL_STACK
 
 from mpfcad.errors import ExportError
 from mpfcad.export import sha256, write_manifest
@@ -22,17 +23,7 @@ from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run import examine as examined
 from mpfcad.pipeline.run import verify
 
-JOB = """name = "forged"
-[map]
-curvature_per_mm = 60.0
-[stack.override]
-lamp_count = 1
-lamp_pitch_mm = 4.0
-lamp_radius_mm = 0.2
-lamp_height_mm = 0.5
-panel_width_mm = 4.0
-panel_length_mm = 2.0
-"""
+JOB = 'name = "forged"\n[map]\ncurvature_per_mm = 60.0\n' + SMALL_STACK
 RECORD, PAGES = "verification.json", ("report.html", "mask.png", "mask.lyrdb")
 #: What is not repeated of `examine`.
 TRACES = ("trace_luminance", "survey_directions", "trace_plain", "find_printed")

@@ -14,20 +14,12 @@ import time
 
 import numpy as np
 import pytest
-from command import content
+from command import SMALL_STACK, content
 
 from mpfcad.export import check_manifest
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
-STACK = """[stack.override]
-lamp_count = 1
-lamp_pitch_mm = 4.0
-lamp_radius_mm = 0.2
-lamp_height_mm = 0.5
-panel_width_mm = 4.0
-panel_length_mm = 2.0
-"""
-RUN = 'name = "a"\nseed = {seed}\n[map]\ncurvature_per_mm = 60.0\n' + STACK
+RUN = 'name = "a"\nseed = {seed}\n[map]\ncurvature_per_mm = 60.0\n' + SMALL_STACK
 SWEEP = """name = "a"
 seed = {seed}
 [axis]

@@ -128,10 +128,8 @@ def _text_table(columns: int) -> bytes:
 
 def _map(suffix: str) -> tuple[bytes, ...]:
     # Found alike by `pytest` and by `python -m tests.fuzz`.
-    write_map = runpy.run_path(str(Path(__file__).parents[1] / "film" / "areal_file.py"))[
-        "write_map"
-    ]
-
+    writer = Path(__file__).parents[1] / "film" / "areal_file.py"
+    write_map = runpy.run_path(str(writer))["write_map"]
     x = np.arange(40) * 0.0025
     height = np.repeat((0.025 * (np.abs(x % 0.05 - 0.025)) / 0.025)[:, None], 8, axis=1)
     with tempfile.TemporaryDirectory() as folder:
