@@ -138,6 +138,20 @@ def test_the_calibration_file_reads_back(tmp_path):
     assert half.transfer_factor == pytest.approx(2 * process.transfer_factor)
 
 
+def test_a_calibration_says_of_its_coupons_scatter_only_what_they_have(tmp_path):
+    prior, ratio = prior_belief(0.7), (0.05, 0.1, 0.2)
+    for number, factor in enumerate((1.0, 1.3)):
+        path = tmp_path / f"{number}.toml"
+        fills = fill_of(prior.mean, np.array(ratio)) * np.array([factor, 1 / factor, factor])
+        coupons = [
+            Coupon(a, float(BEF.curvature_of_fill(f)), "c", *(float(BEF.curvature_of_fill(k * f))
+            for k in (1.01, 0.99))) for a, f in zip(ratio, fills, strict=True)
+        ]  # fmt: skip
+        found = write_tone_process(path, coupons, BEF, prior)
+        words = [one for one in read_process(path, BEF).caveats if "scatter" in one]
+        assert words == [] if factor == 1.0 else f"{found.birge:.3g} times as wide" in words[0]
+
+
 def test_coupons_that_are_no_prints_are_refused(tmp_path):
     for coupons, words in (
         ([Coupon(0.1, 55.0, "a")], "expected two or more"),

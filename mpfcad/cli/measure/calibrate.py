@@ -292,6 +292,15 @@ def _print_table(figures: list[dict[str, Any]]) -> None:
             f"{fill:>26}{row['residual_rms_um']:>9.4f}"
             f"{row['fitted_residual_rms_um']:>12.4f}{row['tilt_deg']:>10.3f}"
         )
+    _print_notes(figures)
+
+
+def _print_notes(figures: list[dict[str, Any]]) -> None:
+    """Print each note once, with the files that it is about."""
+    files: dict[str, list[str]] = {}
     for row in figures:
         for note in row["notes"]:
-            print(f"{Path(row['file']).name}: {note}")
+            files.setdefault(note, []).append(Path(row["file"]).name)
+    for note, names in files.items():
+        every = len(names) == len(figures) > 1
+        print(f"{f'all {len(names)} files' if every else ', '.join(names)}: {note}")

@@ -106,10 +106,12 @@ def _tone_document(
     deviation = belief.deviation
     correlation = belief.covariance / deviation[:, None] / deviation
     names = ", ".join(coupon.name for coupon in coupons)
-    caveats = [
-        "prior: the published tone curve of a half-tone print on paper",
-        f"the coupons' scatter widened the intervals {found.birge:.3g} times",
-    ]
+    caveats = ["prior: the published tone curve of a half-tone print on paper"]
+    if found.birge >= 1.005:
+        caveats.append(
+            "the coupons scatter more than their intervals explain: all intervals are made "
+            f"{found.birge:.3g} times as wide"
+        )
     lines = [
         "# Process calibration from stylus traces of printed coupons (mpfcad calibrate).",
         "schema = 1",

@@ -9,7 +9,7 @@ so, or the instrument's scale is. The interval of C holds both (Imbens and Mansk
 intervals for partially identified parameters", Econometrica 72, 1845, 2004).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,8 +177,8 @@ def _fits_of_tips(
         ):
             return [told], [], (trace.tip.angle,)
         why = (
-            f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw: "
-            "the tip is taken as unknown"
+            f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw, so the "
+            "tip is taken as unknown"
         )
     fits = [sharp]
     for radius in USUAL_RADII:
@@ -190,10 +190,18 @@ def _fits_of_tips(
     fits = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
     # Where the sharp one fits as well as any, it stands for them.
     fits.sort(key=lambda fit: fit.misfit if fit is not sharp else 0.95 * fit.misfit)
-    radii = sorted((fit.model.tip.radius / um if fit.model.tip else 0.0) for fit in fits)
-    names = ", ".join(f"{radius:g}" for radius in radii)
-    words = f"{why}: the interval holds those of all usual tips that fit, {names} µm"
-    return fits, [words], USUAL_ANGLES
+    return fits, [f"{why}; {_tip_words([fit.model.tip for fit in fits])}"], USUAL_ANGLES
+
+
+def _tip_words(tips: Sequence[StylusTip | None]) -> str:
+    """Return which of the usual tips fit a trace, and what the interval makes of it."""
+    radii = sorted(tip.radius / um for tip in tips if tip)
+    names = ["a sharp tip"] * (None in tips)
+    if radii:
+        names.append(f"a radius of {' or '.join(f'{radius:g}' for radius in radii)} µm")
+    if len(tips) == 1:
+        return f"of the usual ones only {names[0]} fits"
+    return f"{' and '.join(names)} fit: the interval holds all of them"
 
 
 def _check_shown(trace: StylusTrace, best: Fitted, groove: Groove) -> None:

@@ -16,8 +16,8 @@ _TWO_SIDED = 1.959964
 _SAME = 1e-3
 #: What a reader is told of walls that a cone hides.
 HIDDEN_WORDS = (
-    "the walls are as steep as the tip's cone, or steeper: their slope is not seen: the fill's "
-    f"interval holds walls up to {_TWO_SIDED * SLOPE_OFF:.0%} steeper"
+    "the tip's cone may hide how steep the walls are: the fill's interval holds walls up to "
+    f"{100 * _TWO_SIDED * SLOPE_OFF:.0f} % steeper"
 )
 
 
