@@ -28,6 +28,7 @@ LAYER = {
     "measure": 5,
     "design": 6,
     "confidence": 6,
+    "fit": 6.5,
     "export": 7,
     "record": 7,
     "report": 8,

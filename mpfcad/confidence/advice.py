@@ -82,7 +82,7 @@ def rank_measurements(
         narrowed = steps.copy()
         named = []
         for i, factor in enumerate(factors):
-            left = _left(one, factor)
+            left = left_by(one, factor.name, factor.value)
             if left is not None and left < factor.sigma:
                 narrowed[:, i] *= left / factor.sigma
                 named.append(factor.name)
@@ -102,10 +102,11 @@ def rank_measurements(
     return sorted(found, key=lambda row: (row["contrast_spread"], row["measurement"]))
 
 
-def _left(one: Measurement, factor: Factor) -> float | None:
+def left_by(one: Measurement, name: str, value: float) -> float | None:
+    """Return the standard uncertainty that a measurement leaves of a value; None: not measured."""
     for end, (size, is_relative) in one.leaves.items():
-        if factor.name.endswith(end):
-            return size * abs(factor.value) if is_relative else size
+        if name.endswith(end):
+            return size * abs(value) if is_relative else size
     return None
 
 

@@ -1,0 +1,107 @@
+"""A fit on made-up backlights: intervals hold, noise feigns nothing, advice is right."""
+
+import numpy as np
+import pytest
+from factory import FIGURES, NEW_FILM, VIEWS, Factory, exactly, measured, unknowns
+
+from mpfcad.confidence import Factor
+from mpfcad.errors import InputError
+from mpfcad.fit import Datum, build_unknowns, rank_next, search_values
+from mpfcad.fit.linear import fit_line
+from mpfcad.fit.posterior import fit_values
+
+
+def draws(count, noise, seed):
+    """Return (off/σ of each value (count, 5), of a new film's figure) over hidden backlights."""
+    sought = unknowns()
+    rng = np.random.Generator(np.random.Philox(seed))
+    values, films = [], []
+    for number in range(count):
+        factory = Factory(noise, 1000 * seed + number)
+        true = np.r_[rng.normal(size=4), 0.1 * rng.normal()]
+        found = search_values(factory, VIEWS, measured(factory, true, rng), sought)
+        left = np.sqrt(np.diag(found.posterior.covariance))
+        values.append((found.posterior.steps - true) / left)
+        told, spread, _ = found.posterior.predicted(NEW_FILM, found.lines)
+        films.append((told - exactly(factory, NEW_FILM, true))[0] / np.sqrt(spread[0, 0]))
+    return np.array(values), np.array(films)
+
+
+def test_intervals_hold_hidden_values():
+    values, _ = draws(8, 0.001, 3)
+    # 40 intervals of 95 %: fewer than 33 hold with a probability of 0.2 %.
+    assert np.count_nonzero(np.abs(values) < 1.96) >= 33
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.0003, 0.001, 0.003])
+def test_intervals_hold_hidden_values_of_forty_factories(noise):
+    values, films = draws(40, noise, 4)
+    share = np.mean(np.abs(values) < 1.96, axis=0)
+    print(f"noise {noise}: held {share}, all {share.mean():.3f}, "
+          f"a new film's figure {np.mean(np.abs(films) < 1.96):.3f}")  # fmt: skip
+    assert 0.90 <= share.mean() <= 0.99
+    assert share.min() >= 0.8 and np.mean(np.abs(films) < 1.96) >= 0.90
+
+
+def test_noise_of_slopes_feigns_no_knowledge():
+    """Readings that hang on nothing leave the prior as it was, although each slope is noise."""
+    rng = np.random.default_rng(8)
+    sought = unknowns(luminance_too=False)
+    left = []
+    for _ in range(20):
+        steps = 1.5 * (1 - 2 * rng.integers(0, 2, (32, 4)))
+        found = 0.02 * rng.normal(size=(32, 4)) + np.array([8.9, 0.01, 0.0, 0.0])
+        line = fit_line(
+            np.zeros(4), steps, found, found.mean(axis=0), np.eye(4) * 1e-8, np.ones(4, bool)
+        )
+        figured = FIGURES[1][0]
+        lines = {("a", "pitch"): line, ("b", "pitch"): line}
+        datum = Datum(FIGURES[0][0], np.exp(line.start[:1]), np.array([[1e-4]]))
+        left.append(np.diag(fit_values(lines, [datum], sought).covariance))
+        assert figured.predict(lines, np.zeros(4)) == pytest.approx(1.0)
+    assert np.mean(left) > 0.9
+
+
+def test_a_limit_that_is_kept_says_nothing_and_one_that_is_not_pulls():
+    factory = Factory(0.0003, 5)
+    sought = unknowns()
+    figured = FIGURES[0][0]
+    middle = exactly(factory, figured, np.zeros(5))
+    far, near = middle * 0.5, middle * 1.5
+    (kept, pulled) = (
+        search_values(factory, VIEWS, [Datum(figured, v, np.array([[100.0]]), side=1)], sought)
+        for v in (far, near)
+    )
+    assert kept.posterior.freedom == 0 and np.abs(kept.posterior.steps).max() < 0.1
+    assert pulled.posterior.predicted(figured, pulled.lines)[0] == pytest.approx(near, rel=0.02)
+
+
+def test_what_is_left_and_what_narrows_it():
+    rng = np.random.Generator(np.random.Philox(6))
+    factory, sought = Factory(0.0003, 6), unknowns()
+    found = search_values(factory, VIEWS, measured(factory, np.zeros(5), rng)[:2], sought)
+    flux = FIGURES[4][0]
+    rated = rank_next(
+        found.posterior, sought, found.lines, [(flux, np.array([[0.004**2]]))], [NEW_FILM]
+    )
+    left = {row["measurement"]: row["left"] for row in rated}
+    assert flux.name in left and "BTDF of the top sheet" in left
+    assert [row["left"] for row in rated] == sorted(left.values())
+    assert all(0 < value <= 1 + 1e-9 for value in left.values())
+    # What it promises comes true: the same fit with that measurement.
+    more = [*measured(factory, np.zeros(5), rng)[:2]]
+    more.append(Datum(flux, exactly(factory, flux, np.zeros(5)), np.array([[0.004**2]])))
+    then = search_values(factory, VIEWS, more, sought)
+    before, after = (one.posterior.predicted(NEW_FILM, one.lines)[1:] for one in (found, then))
+    of_values = [np.sqrt((total - noise)[0, 0]) for total, noise in (before, after)]
+    assert of_values[1] / of_values[0] == pytest.approx(left[flux.name], abs=0.1)
+
+
+def test_correlations_of_the_prior_stand_in_the_posterior():
+    factors = [Factor("a", 1.0, 0.1), Factor("b", 2.0, 0.2)]
+    matrix = np.array([[0.01, 0.018], [0.018, 0.04]])
+    sought = build_unknowns(factors, set(), set(), (["a", "b"], matrix))
+    assert np.linalg.inv(sought.information)[0, 1] == pytest.approx(0.9)
+    with pytest.raises(InputError, match="covariance: not positive"):
+        build_unknowns(factors, set(), set(), (["a", "b"], np.array([[0.01, 0.02], [0.02, 0.04]])))
