@@ -65,10 +65,20 @@ class MeshTable(Table):
     thread_um: Annotated[Positive, Field(le=1000)] | None = None
     opening_um: Annotated[Positive, Field(le=1000)] | None = None
     thickness_um: Annotated[Positive, Field(le=1000)] | None = None
+    open_area_percent: Annotated[Positive, Field(lt=100)] | None = None
+    ink_volume_cm3_m2: Annotated[Positive, Field(le=1000)] | None = None
     material: Literal["polyester", "steel", "calendered steel"] = "polyester"
     emulsion_um: Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)] = 0.0
     angle_deg: Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)] = 22.5
     release: Annotated[Positive, Field(le=1)] | None = None
+
+    #: Figures of a data sheet, which a mesh by name brings with it.
+    FIGURES: ClassVar[tuple[str, ...]] = (
+        "opening_um",
+        "thickness_um",
+        "open_area_percent",
+        "ink_volume_cm3_m2",
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> "MeshTable":
@@ -77,10 +87,9 @@ class MeshTable(Table):
             raise ValueError("give either name or threads_per_cm and thread_um")
         if self.name is None and self.catalogue is not None:
             raise ValueError("catalogue: expected with a name that is in it")
-        if self.name is not None and (self.thickness_um or self.opening_um):
-            raise ValueError(
-                "a mesh by name has its own opening_um and thickness_um: leave them out"
-            )
+        own = [name for name in self.FIGURES if getattr(self, name) is not None]
+        if self.name is not None and own:
+            raise ValueError(f"a mesh by name has its own {', '.join(own)}: leave them out")
         return self
 
     @property

@@ -70,7 +70,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
 @pytest.mark.parametrize(
     ("mask", "words"),
     [
-        ("[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0", ["finer than its thread"]),
+        ("[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0", ["mask.mesh.thread_um: 48", "leaves nothing open"]),
         (
             '[mask.mesh]\nname = "1-2"',
             ["mask.mesh: '1-2': not in the catalogue: expected a name such as 120-34"],
@@ -106,3 +106,35 @@ def test_a_2d_map_is_refused_by_what_needs_one_section(tmp_path):
     )
     job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
     refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: expected 'panel'")
+
+
+SHEET = "threads_per_cm = 90, thread_um = 48, "
+
+
+def planned(folder, figures):
+    job(folder, UNIFORM, f"period_um = 1200\nmesh = {{ {SHEET}{figures} }}")
+    return mpfcad("mask", "job.toml", "--plan", cwd=folder)
+
+
+def test_what_a_data_sheet_states_stands_beside_what_geometry_gives(tmp_path):
+    figures = "opening_um = 65, thickness_um = 72, open_area_percent = 33, ink_volume_cm3_m2 = 24"
+    result = planned(tmp_path, figures)
+    assert "open area 33 % stated, 33.1 by its figures; ink volume 24 cm³/m² stated, 23.8" in (
+        result.stdout + result.stderr
+    )
+
+
+@pytest.mark.parametrize(
+    ("figures", "line"),
+    [
+        ("opening_um = 65, thickness_um = 300", "thickness_um: 300: expected 48 … 106"),
+        ("opening_um = 90", "opening_um: 90: expected 48.7 … 67.9"),
+        ("opening_um = 65, open_area_percent = 50", "open_area_percent: 50: expected 33.1 ± 1.5 %"),
+        (
+            "opening_um = 65, thickness_um = 72, ink_volume_cm3_m2 = 30",
+            "ink_volume_cm3_m2: 30: expected 23.8 ± 1.4 cm³/m²: what opening 65, thread 48 and",
+        ),
+    ],
+)
+def test_a_data_sheet_that_contradicts_itself_is_refused(tmp_path, figures, line):
+    refused(planned(tmp_path, figures), f"job.toml: mask.mesh.{line}")

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from mpfcad.boundary import TEXT_LIMIT, reads
 from mpfcad.errors import InputError
-from mpfcad.mask.fabric.mesh import Material, Mesh, build_mesh
+from mpfcad.mask.fabric.mesh import Mesh, build_mesh
 from mpfcad.mask.fabric.name import match_name, nearest_names
+from mpfcad.mask.fabric.weave import Material
 from mpfcad.units import um
 
 SHIPPED = Path(__file__).with_name("catalogue.csv")
@@ -78,7 +79,7 @@ def _read_row(row: list[str], where: str) -> Mesh:
         material=material,
         source=cells["source"],
         name=cells["name"],
-        where=where,
+        where=f"{where}: ",
     )
 
 

@@ -5,7 +5,8 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from mpfcad.mask.fabric.mesh import Material, Mesh
+from mpfcad.mask.fabric.mesh import Mesh
+from mpfcad.mask.fabric.weave import Material
 from mpfcad.units import um
 
 #: threads/cm / threads/inch - thread µm and letters for colour and weave: `120/305-34Y PW`.

@@ -1,18 +1,27 @@
 """From the job's `[mask]` to the rules of a mask, and the screen's mesh."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, Process, levelling_length
 from mpfcad.job import Job
 from mpfcad.job.screen import MaskTable, MeshTable
-from mpfcad.mask.fabric import Mesh, build_mesh, find_mesh, read_catalogue
+from mpfcad.mask.fabric import (
+    Mesh,
+    build_mesh,
+    find_mesh,
+    read_catalogue,
+    shipped_catalogue,
+)
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting
 from mpfcad.units import um
 
 #: How far depth over half the pitch may be from 1 for the flow of a groove of 90°.
 RIGHT_ANGLE = 0.02
+#: The last digit of a data sheet's open area [%] and ink volume [cm³/m²].
+ROUNDING = 1.0
 
 
 def mask_rules(table: MaskTable, where: str, levelling: float | None = None) -> MaskRules:
@@ -41,21 +50,51 @@ def screen_mesh(table: MeshTable, where: str) -> Mesh:
     Raises
     ------
     InputError
-        that begins with `where`, for an unknown name or a mesh finer than its thread.
+        that begins with `where`, for an unknown name or figures that no weave has.
     """
     where = f"{where}: mask.mesh"
     if table.name is not None:
         return find_mesh(table.name, emulsion=table.emulsion, where=where)
     assert table.threads_per_cm is not None  # the job has looked
-    return build_mesh(
+    mesh = build_mesh(
         table.threads_per_cm,
         table.thread,
         opening=table.opening,
         thickness=table.thickness,
         emulsion=table.emulsion,
         material=table.material,
-        where=where,
+        where=f"{where}.",
     )
+    return _beside_stated(mesh, table, where)
+
+
+def _beside_stated(mesh: Mesh, table: MeshTable, where: str) -> Mesh:
+    """Return a mesh whose source has the open area and ink volume that the job states beside it.
+
+    Raises
+    ------
+    InputError
+        when they are not what opening, thread and thickness give, within their widths.
+    """
+    parts = []
+    area_width = 2 * mesh.opening_width / mesh.opening
+    for name, words, unit, stated, geometry, width in (
+        ("open_area_percent", "open area", "%", table.open_area_percent,
+         100 * mesh.open_area, area_width),
+        ("ink_volume_cm3_m2", "ink volume", "cm³/m²", table.ink_volume_cm3_m2,
+         mesh.fabric_volume / um, mesh.volume_width * mesh.volume / mesh.fabric_volume),
+    ):  # fmt: skip
+        if stated is None:
+            continue
+        room = geometry * width + ROUNDING
+        if abs(stated - geometry) > room:
+            raise InputError(
+                f"{where}.{name}: {stated:g}: expected {geometry:.3g} ± {room:.2g} {unit}: what "
+                f"opening {mesh.opening / um:.3g}, thread {mesh.thread / um:g} and thickness "
+                f"{mesh.thickness / um:.3g} µm give"
+            )
+        parts.append(f"{words} {stated:g} {unit} stated, {geometry:.3g} by its figures")
+    return replace(mesh, source="; ".join((mesh.source, *parts)))
 
 
 def with_own_catalogue(job: Job, job_file: Path) -> Job:
@@ -77,17 +116,28 @@ def with_own_catalogue(job: Job, job_file: Path) -> Job:
 
 
 def with_mesh(job: Job, mesh: Mesh) -> Job:
-    """Return a job with a mesh of its own numbers; emulsion, angle and release stay."""
+    """Return a job with a mesh: by name, or the figures that are stated of one of a weaver's table.
+
+    Emulsion, angle and release of the job stay.
+    """
     kept = ("emulsion_um", "angle_deg", "release")
-    stated = {} if job.mask.mesh is None else job.mask.mesh.model_dump(exclude_unset=True)
-    table = MeshTable(
-        threads_per_cm=round(mesh.count * 10, 9),
-        thread_um=round(mesh.thread / um, 9),
-        opening_um=round(mesh.opening / um, 6),
-        thickness_um=round(mesh.thickness / um, 6),
-        material=mesh.material,
-        **{name: value for name, value in stated.items() if name in kept},
-    )
+    given = {} if job.mask.mesh is None else job.mask.mesh.model_dump(exclude_unset=True)
+    stated = {name: value for name, value in given.items() if name in kept}
+    if mesh.coated(0.0) in shipped_catalogue():
+        table = MeshTable(name=mesh.name, **stated)
+    else:
+        figures = {
+            f"{name}_um": round(getattr(mesh, name) / um, 6)
+            for name in ("opening", "thickness")
+            if name not in mesh.computed
+        }
+        table = MeshTable(
+            threads_per_cm=round(mesh.count * 10, 9),
+            thread_um=round(mesh.thread / um, 9),
+            material=mesh.material,
+            **figures,
+            **stated,
+        )
     mask = job.mask.model_copy(update={"mesh": table})
     mask.model_fields_set.add("mesh")
     changed = job.model_copy(update={"mask": mask})
