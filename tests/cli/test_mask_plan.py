@@ -70,7 +70,10 @@ def test_mesh_and_release_give_the_fill(tmp_path):
 @pytest.mark.parametrize(
     ("mask", "words"),
     [
-        ("[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0", ["mask.mesh.thread_um: 48", "leaves nothing open"]),
+        (
+            "[mask.mesh]\nthreads_per_cm = 250.0\nthread_um = 48.0",
+            ["mask.mesh.thread_um: 48", "leaves nothing open"],
+        ),
         (
             '[mask.mesh]\nname = "1-2"',
             ["mask.mesh: '1-2': not in the catalogue: expected a name such as 120-34"],

@@ -78,8 +78,8 @@ class Mesh:
 
     @property
     def open_area(self) -> float:
-        """Open share of the fabric, (w/(w+d))²."""
-        return (self.opening / (self.opening + self.thread)) ** 2
+        """Open share of the fabric, (w/(w+d))²; (w·n)² where a thread is flattened to 1/n - w."""
+        return (self.opening / max(self.cell, self.opening + self.thread)) ** 2
 
     @property
     def fabric_volume(self) -> float:
