@@ -15,7 +15,15 @@ from mpfcad.job.table import Positive, Table
 #: panel, and the film's place.
 FILL_AXIS, LAMP_AXIS = "fill_fraction", "lamp_count"
 REGISTRATION_AXES = ("shift_mm", "stretch_percent", "rotation_deg", "lamp_pitch_error_mm")
-_TABLES = ("map", "film", "process", "mask", "cad", "stack")
+#: Those under LEDs: registration of the board and of each film, their print, the board's binning.
+LED_AXES = (
+    "board_shift_x_mm", "board_shift_y_mm", "shift_x_mm", "shift_y_mm", "turn_deg",
+    "crossed_shift_x_mm", "crossed_shift_y_mm", "crossed_turn_deg", "stretch_percent",
+    "curvature_error_per_mm", "pattern_percent", "resin_percent",
+    "led_repeat", "led_seed", "dead_led", FILL_AXIS,
+)  # fmt: skip
+_OWN_AXES = tuple(dict.fromkeys((FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES, *LED_AXES)))
+_TABLES = ("map", "film", "process", "mask", "cad", "stack", "crossed")
 Value = Annotated[float, Field(allow_inf_nan=False)] | str
 
 
@@ -50,21 +58,23 @@ class Sweep(Table):
     mask: dict[str, Any] = Field(default_factory=dict)
     cad: dict[str, Any] = Field(default_factory=dict)
     stack: dict[str, Any] = Field(default_factory=dict)
+    crossed: dict[str, Any] | None = None
 
     @model_validator(mode="after")
     def _known_axes(self) -> "Sweep":
         for axis, values in self.axis.items():
             if axis.partition(".")[0] not in _TABLES or "." not in axis:
-                if axis not in (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES):
+                if axis not in _OWN_AXES:
                     raise ValueError(
-                        f"axis {axis}: expected table.field of a job, {FILL_AXIS}, {LAMP_AXIS} or "
-                        f"one of {', '.join(REGISTRATION_AXES)}"
+                        f"axis {axis}: expected table.field of a job or one of "
+                        f"{', '.join(_OWN_AXES)}"
                     )
                 if not all(isinstance(value, float) for value in values):
                     raise ValueError(f"axis {axis}: expected numbers")
             if len(set(values)) < len(values) or len({type(v) for v in values}) > 1:
                 raise ValueError(f"axis {axis}: expected all numbers or all words, none twice")
-            if self.design and (axis in (FILL_AXIS, *REGISTRATION_AXES) or axis[:4] == "map."):
+            free = "." in axis or axis == LAMP_AXIS
+            if self.design and (not free or axis[:4] == "map."):
                 raise ValueError(f"axis {axis}: has no meaning where [design] finds the map")
         if self.design and self.map:
             raise ValueError("map: expected no map where [design] finds it")
@@ -85,6 +95,8 @@ class Sweep(Table):
         for table in _TABLES:
             if getattr(self, table):
                 document[table] = _copied(getattr(self, table))
+        if self.crossed is not None:
+            document["crossed"] = _copied(self.crossed)
         for axis, value in point.items():
             *tables, field = axis.split(".")
             if not tables:

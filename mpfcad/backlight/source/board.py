@@ -60,13 +60,13 @@ class LedBoard:
     word: ClassVar[str] = "LED"
 
     @property
-    def cell(self) -> tuple[float, float]:
+    def cell(self) -> Period:
         """Size [mm] of the lattice's own cell."""
         across, along = LATTICES[self.spec.lattice][1]
         pitch = self.stack["led_pitch_across_mm"], self.stack["led_pitch_along_mm"]
         if self.spec.lattice == "hexagonal":
-            return across * pitch[0], along * pitch[0]
-        return across * pitch[0], along * pitch[1]
+            return Period(across * pitch[0], along * pitch[0])
+        return Period(across * pitch[0], along * pitch[1])
 
     @property
     def period(self) -> Period:

@@ -74,6 +74,10 @@ class LightSource(Protocol):
         """What repeats sideways without end."""
 
     @property
+    def cell(self) -> Period:
+        """What repeats as designed: a map's period; `period` may hold several, which differ."""
+
+    @property
     def origin(self) -> tuple[float, float]:
         """(x, y) on the panel [mm] of the scene's x = 0, y = 0."""
 

@@ -103,6 +103,11 @@ class TubeRow:
         return Period(self.pitch, 0.0)
 
     @property
+    def cell(self) -> Period:
+        """One lamp pitch."""
+        return self.period
+
+    @property
     def origin(self) -> tuple[float, float]:
         """The central lamp's even place and the middle along it, on the panel [mm]."""
         return self.lamp_position(self.central_lamp), self.stack["panel_length_mm"] / 2

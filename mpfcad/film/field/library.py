@@ -5,7 +5,7 @@ that follow (error diffusion; Floyd and Steinberg, 1976), so means over many pie
 that is its own mirror image stays so: a quarter is rounded and mirrored.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,12 @@ class PieceLibrary:
         """Mean fill of the grooves with resin."""
         fill = self.groove.fill_fraction(self.curvature)
         return float(np.mean(np.asarray(fill)[self.chosen]))
+
+    def repeated(self, count: tuple[int, int]) -> "PieceLibrary":
+        """Return the film of so many such films beside each other along x and y."""
+        if count == (1, 1):
+            return self
+        return replace(self, chosen=np.tile(self.chosen, count), wanted=np.tile(self.wanted, count))
 
     def piece(self, number: int) -> PrismFilm:
         """Return one piece as a film of one groove."""

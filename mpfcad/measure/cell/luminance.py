@@ -94,6 +94,14 @@ def luminance_over_cell(
     )  # fmt: skip
 
 
+def compile_cell_tracer(lit: Lit) -> None:
+    """Compile what `luminance_over_cell` traces with, once for all scenes, if it is not there."""
+    from mpfcad.optics.forward.connection import CellMeter
+    from mpfcad.optics.forward.engine import trace_forward
+
+    trace_forward(lit.scene, CellMeter(lit.stack.acceptance, *lit.stack.period, BINS), 1)
+
+
 def _rounds(
     lit: Lit, meter: "CellMeter", run: TraceRun, goal: float, mirrored: bool
 ) -> tuple["CellTally", CellSeries, Estimate]:

@@ -99,7 +99,7 @@ def run_led_design(
             # The search asks no screen; the job that is written does.
             "screen": PHOTOTOOL_ONLY,
             "optical_distance_mm": _distance(stack),
-            "height_over_pitch": _distance(stack) / max(stack.period),
+            "height_over_pitch": _distance(stack) / max(stack.source.cell),
             "series_per_mm": best.map.coefficient.tolist(),
             "films": [_describe_film(film) for film in films],
             "tried": [_describe_tried(one) for one in search.tried],

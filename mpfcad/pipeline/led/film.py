@@ -19,20 +19,19 @@ FILM, CROSSED, STACK = "film.3mf", "film-crossed.3mf", "stack.toml"
 _CAD = CadTable()
 
 
-def library_of(
-    design: LedDesign, field: CurvatureSeries, size: tuple[float, float]
-) -> PieceLibrary:
-    """Return the film of a map over a cell of `size` [mm] along and across its own axes.
+def library_of(design: LedDesign, field: CurvatureSeries, frame: CellFrame) -> PieceLibrary:
+    """Return the film of a map over the cells of a frame, by the film's own axes.
 
     Raises
     ------
     InputError
         when the cell is no whole number of grooves, or a curvature cannot be had.
     """
-    groove, frame = design.film.groove, CellFrame(size, size, (0.0, 0.0))
+    groove, size = design.film.groove, frame.size
     wanted = wanted_over(field.at, frame, groove.pitch, design.constraint.piece_mm, design.name)
     length = size[1] / wanted.shape[1]
-    return build_library(groove, design.film.base, length, wanted, design.constraint.levels)
+    cell = build_library(groove, design.film.base, length, wanted, design.constraint.levels)
+    return cell.repeated(frame.repeat)
 
 
 def write_films(
@@ -47,13 +46,13 @@ def write_films(
     InputError
         when two films are asked and the stack has none that is turned by 90°.
     """
-    across, along = stack.period
-    films = [library_of(design, field, (across, along))]
+    frame = CellFrame.of(stack)
+    films = [library_of(design, field, frame)]
     kind_of(films[0], _CAD).write(folder / FILM, design.name)
     crossed = None
     if design.films == 2:
         crossed = crossed_layer(stack, f"{design.name}: films: 2")
-        films.append(library_of(design, field.turned, (along, across)))
+        films.append(library_of(design, field.turned, frame.turned))
         kind_of(films[1], _CAD).write(folder / CROSSED, f"{design.name} crossed")
     (folder / STACK).write_bytes(_stack_text(stack, base, crossed).encode())
     return films

@@ -1,6 +1,5 @@
 """Jobs under LEDs: C(x, y) over the cell that repeats, of one film or of two that are crossed."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,14 +10,13 @@ from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.film import CurvatureMap, CurvatureSeries, read_curvature_cell
 from mpfcad.job import CadTable, Job, MapTable
+from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure
 from mpfcad.pipeline.plan.groove_map import read_map
 
 #: Curvatures of a library, and length of its pieces [mm], unless the job says.
 LEVELS, PIECE = 64, 0.5
 #: How far a cell may be from whole grooves [mm].
 _ROOM = 1e-6
-#: C at all of u by all of v in periods from the LED, (n, m) float64 [1/mm].
-CellMap = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -30,26 +28,31 @@ class CellFrame:
     panel
         extent of the panel [mm]
     size
-        of the cell [mm]
+        of the lattice's own cell [mm], over which the map repeats
     origin
         place of an LED [mm], from the panel's lower left corner
+    repeat
+        cells that are traced together, along x and y
     """
 
     panel: tuple[float, float]
     size: tuple[float, float]
     origin: tuple[float, float]
+    repeat: tuple[int, int] = (1, 1)
 
     @classmethod
     def of(cls, stack: Stack) -> "CellFrame":
         """Return the frame of the film in the job's place."""
-        size = stack.period.across, stack.period.along
-        return cls((stack.panel_width, stack.panel_length), size, stack.origin)
+        size, whole = stack.source.cell, stack.period
+        n, m = (round(all_of / one) for all_of, one in zip(whole, size, strict=True))
+        return cls((stack.panel_width, stack.panel_length), size, stack.origin, (n, m))
 
     @property
     def turned(self) -> "CellFrame":
         """The frame of a film turned by 90°: its x is the panel's y, its y goes against x."""
         (width, length), (across, along), (x, y) = self.panel, self.size, self.origin
-        return CellFrame((length, width), (along, across), (y, width - x))
+        n, m = self.repeat
+        return CellFrame((length, width), (along, across), (y, width - x), (m, n))
 
     def places(self, pitch: float, piece: float, where: str) -> tuple[int, int]:
         """Return the number of grooves across a cell, and of pieces along it.
@@ -86,10 +89,13 @@ def piece_length(table: CadTable) -> float:
     return PIECE if given is None else given
 
 
-def read_cell_maps(job: Job, job_file: Path, stack: Stack) -> list[NDArray[np.float64]]:
+def read_cell_maps(
+    job: Job, job_file: Path, stack: Stack, departure: Departure = AS_DESIGNED
+) -> list[NDArray[np.float64]]:
     """Return C over the cell of each printed film, (n, m) float64 [1/mm], by the film's own axes.
 
-    The first is that of the job's place; a second lies across it, the job's `[crossed]`.
+    The first is that of the job's place; a second lies across it, the job's `[crossed]`. Of
+    `departure`, each film's print counts here.
 
     Raises
     ------
@@ -98,11 +104,13 @@ def read_cell_maps(job: Job, job_file: Path, stack: Stack) -> list[NDArray[np.fl
     """
     where = str(job_file)
     _refuse(job, stack, where)
-    pitch, piece, frame = job.film.groove.pitch, piece_length(job.cad), CellFrame.of(stack)
-    found = [wanted_over(_read(job, job_file, job.map, stack), frame, pitch, piece, where)]
+    groove, frame = job.film.groove, CellFrame.of(stack)
+    pitch, piece = groove.pitch, piece_length(job.cad)
+    at = departure.film(0).on(_read(job, job_file, job.map, stack), frame.size, groove)
+    found = [wanted_over(at, frame, pitch, piece, where)]
     if job.crossed is not None:
         table = job.crossed if job.crossed.is_given else job.map
-        at = _read(job, job_file, table, stack)
+        at = departure.film(1).on(_read(job, job_file, table, stack), frame.size, groove)
         found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
     most = job.film.groove.curvature_empty
     for wanted in found:
@@ -160,10 +168,10 @@ def _read(job: Job, job_file: Path, table: MapTable, stack: Stack) -> CellMap:
             job_file.parent / table.file,
             profile=job.film.profile,
             groove=job.film.groove,
-            size=(stack.period.across, stack.period.along),
+            size=stack.source.cell,
         )
         return cell.at
-    return _across(read_map(job, job_file, stack, table), stack.period.across)
+    return _across(read_map(job, job_file, stack, table), stack.source.cell.across)
 
 
 def _across(found: CurvatureMap, period: float) -> CellMap:

@@ -12,6 +12,7 @@ from mpfcad.errors import ExportError, InputError
 from mpfcad.film import FieldFilm, PieceLibrary, RepeatedField, build_library
 from mpfcad.job import Job
 from mpfcad.pipeline.plan.cell import LEVELS, CellFrame, piece_length, read_cell_maps
+from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
 from mpfcad.pipeline.plan.field import field_section
 from mpfcad.pipeline.plan.panel_map import Laid
 from mpfcad.pipeline.plan.size import groove_count
@@ -45,7 +46,7 @@ class CellFilmMap:
         return own if self.crossed is None else np.concatenate([own, self.crossed.curvature])
 
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
-        """Return the printed film over the panel, and its library over the cell at an LED.
+        """Return the printed film over the panel, and its library over what is traced at an LED.
 
         Raises
         ------
@@ -75,18 +76,21 @@ class CellFilmMap:
     def _library(self, job: Job) -> PieceLibrary:
         levels = LEVELS if job.cad.levels is None else job.cad.levels
         length = self.frame.size[1] / self.wanted.shape[1]
-        return build_library(job.film.groove, job.film.base, length, self.wanted, levels)
+        cell = build_library(job.film.groove, job.film.base, length, self.wanted, levels)
+        return cell.repeated(self.frame.repeat)
 
 
-def read_cell_film_map(job: Job, job_file: Path, stack: Stack) -> CellFilmMap:
-    """Return the maps of a job under LEDs.
+def read_cell_film_map(
+    job: Job, job_file: Path, stack: Stack, departure: Departure = AS_DESIGNED
+) -> CellFilmMap:
+    """Return the maps of a job under LEDs, of films as they are printed.
 
     Raises
     ------
     InputError
         when a map is wrong.
     """
-    return _build(read_cell_maps(job, job_file, stack), stack)
+    return _build(read_cell_maps(job, job_file, stack, departure), stack)
 
 
 def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:

@@ -37,7 +37,7 @@ def read_map(job: Job, job_file: Path, stack: Stack, table: MapTable) -> Curvatu
         repeat=table.repeat,
         profile=job.film.profile,
         groove=groove,
-        lamp_pitch=stack.period.across,
+        lamp_pitch=stack.source.cell.across,
         panel_width=stack.panel_width,
     )
 

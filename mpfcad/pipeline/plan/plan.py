@@ -22,6 +22,7 @@ from mpfcad.film import (
 from mpfcad.job import Job, build_job
 from mpfcad.pipeline.plan.cell import crossed_layer, refuse_cell_map, turned_job, with_crossed
 from mpfcad.pipeline.plan.cell_map import read_cell_film_map, restore_cell_film_map
+from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
 from mpfcad.pipeline.plan.groove_map import read_map
 from mpfcad.pipeline.plan.made import Drawn, read_measured
@@ -146,8 +147,10 @@ class Plan:
         )
 
 
-def read_plan(job: Job, job_file: Path) -> Plan:
+def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> Plan:
     """Return the plan of a job, reading the files it names beside `job_file`.
+
+    `departure`: under LEDs, how films and board are unlike the job's.
 
     Raises
     ------
@@ -169,14 +172,14 @@ def read_plan(job: Job, job_file: Path) -> Plan:
         )
         if name is not None
     }
-    stack = read_job_stack(job, job_file)
+    stack = departure.of_board(read_job_stack(job, job_file), str(job_file))
     _refuse_resin(job, stack, str(job_file))
     calibration = files.get(job.process.calibration or "")
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     panel_map: PanelMap
     if stack.period.along > 0:
-        panel_map = read_cell_film_map(job, job_file, stack)
+        panel_map = read_cell_film_map(job, job_file, stack, departure)
     elif has_field(job, job_file):
         assert job.map.file is not None  # a map C(x, y) is a file
         map_file = folder / job.map.file

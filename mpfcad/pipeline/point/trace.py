@@ -4,21 +4,22 @@ import math
 import tempfile
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpfcad.backlight import Quantity
+from mpfcad.backlight import Quantity, Stack
 from mpfcad.boundary import guarded
 from mpfcad.errors import InputError
 from mpfcad.film import Groove
 from mpfcad.job import FilmTable, build_job
 from mpfcad.job.reader import validate
-from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, Sweep
+from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, LED_AXES, REGISTRATION_AXES, Sweep
 from mpfcad.pipeline.effort import NO_GOAL
-from mpfcad.pipeline.plan.plan import Plan, read_job_stack
+from mpfcad.pipeline.plan.departure import Departure
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.plan.printed.printable import printable_range
-from mpfcad.pipeline.plan.tube import read_tube_plan
+from mpfcad.pipeline.point.led import compile_for_cell, departure_of, trace_cell_point
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import job_rules, write_cad
@@ -26,11 +27,15 @@ from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import work_key
 from mpfcad.units import deg
 
+if TYPE_CHECKING:
+    from mpfcad.measure import LuminanceResult
+
 #: Kind of entry of a point in the store.
 POINT = "point"
 _SEARCH = ("goal", "constraint", "search")
 #: Fields of a plan that name files.
-_NAMES = ("job", "input_file")
+_NAMES = ("job", "input_file", "crossed")
+_TUBE_AXES = (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES)
 #: Stands for the map until a design has found it.
 _ANY_CURVATURE = 50.0
 
@@ -69,26 +74,59 @@ class Point:
             naming the point and what is wrong.
         """
         try:
-            return read_tube_plan(build_job(self.job, self.where), Path(self.where))
+            job, file = build_job(self.job, self.where), Path(self.where)
+            stack = read_job_stack(job, file)
+            if stack.period.along > 0:
+                return read_plan(job, file, self._departure(stack))
+            _refuse_led_axes(self.coordinate, self.where)
+            return read_plan(job, file)
         except InputError as error:
             raise InputError(f"{error} (at {describe_coordinate(self.coordinate)})") from None
+
+    def _departure(self, stack: Stack) -> Departure:
+        if self.design is not None:
+            raise InputError(
+                f"{self.where}: design: LEDs light the stack {stack.name}: expected a map, or "
+                "mpfcad design with kind 'leds'"
+            )
+        return departure_of(stack, self.coordinate, self.where)
+
+    @property
+    def is_cell(self) -> bool:
+        """Whether LEDs light it."""
+        return self.plan().stack.period.along > 0
 
     def key(self) -> str:
         """Return the key of its result: its plan and settings by value, files by their content."""
         plan = self.plan()
-        # Not the path of a file: what is in it stands in the plan, and the sweep's own file also
-        # names the other points.
-        resolved = {f.name: getattr(plan, f.name) for f in fields(plan) if f.name not in _NAMES}
         return work_key(
             "point",
             {
                 "coordinate": self.coordinate,
-                "plan": resolved,
+                "plan": [_resolved(film) for film in plan.films],
                 "stack_files": plan.stack.files(),
                 "job": {k: _without_paths(v) for k, v in plan.job.document().items()},
                 "trace": [self.half_width, self.path_limit],
                 "design": self.design and {k: self.design[k] for k in _SEARCH if k in self.design},
             },
+        )
+
+
+def _resolved(plan: Plan) -> dict[str, Any]:
+    """Return a plan by what is in it.
+
+    Not the path of a file: what is in it stands in the plan, and the sweep's own file also names
+    the other points.
+    """
+    return {f.name: getattr(plan, f.name) for f in fields(plan) if f.name not in _NAMES}
+
+
+def _refuse_led_axes(coordinate: dict[str, Any], where: str) -> None:
+    wrong = [axis for axis in coordinate if axis in LED_AXES and axis not in _TUBE_AXES]
+    if wrong:
+        raise InputError(
+            f"{where}: axis {wrong[0]}: tubes light the stack: expected table.field of a job or "
+            f"one of {', '.join(_TUBE_AXES)}"
         )
 
 
@@ -143,7 +181,10 @@ def _spread_lamps(document: dict[str, Any], file: Path, count: float) -> None:
             f"{file}: axis.{LAMP_AXIS}: {count:g}: expected a whole number of 1 or more"
         )
     job = build_job({**document, "map": {"curvature_per_mm": _ANY_CURVATURE}}, str(file))
-    width = read_job_stack(job, file).panel_width
+    stack = read_job_stack(job, file)
+    if stack.period.along > 0:
+        departure_of(stack, {LAMP_AXIS: count}, str(file))
+    width = stack.panel_width
     override = document.setdefault("stack", {}).setdefault("override", {})
     override.update(spread_lamps(width, int(count)))
 
@@ -189,7 +230,7 @@ def describe_point_screen(plan: Plan) -> str | None:
         low, high = printable_range(plan.process, rules, job.gates, where)
     except InputError as error:
         return f"not printed: {error}"
-    curvature = plan.panel.curvature
+    curvature = plan.curvature
     is_open = curvature < plan.panel.groove.curvature_empty * (1 - 1e-12)
     found = curvature[is_open]
     if found.size and (found.min() < low or found.max() > high):
@@ -200,13 +241,44 @@ def describe_point_screen(plan: Plan) -> str | None:
     return rules.mesh.name
 
 
+def compile_for(point: Point) -> None:
+    """Compile what traces a point, if it is not there yet."""
+    from mpfcad.optics.engine import compile_tracer
+
+    plan = point.plan()
+    if plan.stack.period.along > 0:
+        compile_for_cell(plan)
+    else:
+        compile_tracer()
+
+
 def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     """Return the figures of a point, in outside names."""
-    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
     from mpfcad.record import describe_luminance
 
     with tempfile.TemporaryDirectory() as temporary:
         searched, plan = _search(point, Path(temporary), threads)
+    is_cell = plan.stack.period.along > 0
+    curvature = plan.curvature if is_cell else plan.piece.curvature
+    said = {
+        "coordinate": point.coordinate,
+        "curvature_min_per_mm": float(curvature.min()),
+        "curvature_max_per_mm": float(curvature.max()),
+        "search": searched,
+        "screen": describe_point_screen(plan),
+    }
+    if is_cell:
+        departure = departure_of(plan.stack, point.coordinate, point.where)
+        limits = point.half_width, point.path_limit
+        return {**said, **trace_cell_point(plan, departure, *limits, threads)}
+    shift, found = _trace_pitch(point, plan, threads)
+    return {**said, "local_shift_mm": shift, **describe_luminance(found)}
+
+
+def _trace_pitch(point: Point, plan: Plan, threads: int) -> "tuple[float, LuminanceResult]":
+    """Return the film's largest shift against tubes [mm], and the luminance there."""
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+
     stack, shift = plan.stack, local_shift(plan, point.coordinate)
     error = point.coordinate.get("lamp_pitch_error_mm", 0.0)
     if error:
@@ -217,16 +289,8 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
         write_cad(plan, folder, ("stl",), SILENT)
         lit = light_film(stack, folder / "film.stl", plan.offset + shift)
         run = TraceRun(seed=plan.job.seed, threads=threads, path_limit=point.path_limit)
-        found = luminance_over_pitch(lit, run, half_width_goal=point.half_width or NO_GOAL)
-    return {
-        "coordinate": point.coordinate,
-        "local_shift_mm": shift,
-        "curvature_min_per_mm": float(plan.piece.curvature.min()),
-        "curvature_max_per_mm": float(plan.piece.curvature.max()),
-        "search": searched,
-        "screen": describe_point_screen(plan),
-        **describe_luminance(found),
-    }
+        goal = point.half_width or NO_GOAL
+        return shift, luminance_over_pitch(lit, run, half_width_goal=goal)
 
 
 def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | None, Plan]:

@@ -12,6 +12,7 @@ from mpfcad.job.sweep import Sweep
 from mpfcad.pipeline.point.trace import (
     POINT,
     build_point,
+    compile_for,
     conventional_point,
     describe_coordinate,
 )
@@ -51,7 +52,9 @@ def run_sweep(
     """
     sweep_file, out = Path(sweep_file), Path(out)
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
-    if main_axis(sweep) == THICKNESS_AXIS:
+    is_cell = points[0].is_cell
+    if main_axis(sweep) == THICKNESS_AXIS and not is_cell:
+        # Tubes of 2008: nothing to hold against the light of LEDs.
         points.append(conventional_point(points[0], sweep.seed))
     store = Store.open(progress.note)
     keys = [point.key() for point in points]
@@ -61,10 +64,8 @@ def run_sweep(
     progress.stage(f"{len(found)} of {len(points)} points are there")
     if left:
         if scheduler is None:
-            from mpfcad.optics.engine import compile_tracer
-
             # Here, where it is told, and not by each worker for itself.
-            compile_tracer()
+            compile_for(points[0])
         with traced_points(left, scheduler, workers) as results:
             for i, result in results:
                 found[i] = store.keep_json(POINT, keys[i], result)
@@ -85,9 +86,9 @@ def run_sweep(
     return record
 
 
-def _of_curve(key: str, result: dict[str, Any]) -> Any:
-    """Return a column of the luminance over the pitch."""
-    return result["luminance"][key]
+def _of_curve(table: str, key: str, result: dict[str, Any]) -> Any:
+    """Return a column of the luminance over the pitch, or a map over the cell."""
+    return result[table][key]
 
 
 def _describe(
@@ -107,6 +108,15 @@ def _describe(
     }
 
 
+def _places(result: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return which table of a point holds its luminance, and the places by their dimensions."""
+    if "cell" not in result:
+        return "luminance", {"position_pitch": result["luminance"]["position_pitch"]}
+    count = len(result["cell"]["luminance_cd_m2"])
+    place = ((np.arange(count) + 0.5) / count - 0.5).tolist()
+    return "cell", {"position_across_period": place, "position_along_period": place}
+
+
 def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> None:
     """Write the results as a netCDF file (version 3): one dimension an axis, and the position."""
     import xarray
@@ -119,7 +129,7 @@ def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> No
 
     # A dot cannot be in a name of every reader of netCDF.
     axes = [axis.replace(".", "_") for axis in sweep.axis]
-    luminance = results[0]["luminance"]
+    table, places = _places(results[0])
     unit = "cd m-2"
     variables = {
         "lamp_mura_contrast": grid(lambda r: r["lamp_mura_contrast"]["value"]),
@@ -137,9 +147,10 @@ def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> No
         data[name] = (axes, values, {"units": of})
     for name in ("luminance", "standard_error"):
         key = f"{name}_cd_m2"
-        values = grid(partial(_of_curve, key))
-        data[name] = ([*axes, "position_pitch"], values, {"units": unit})
+        values = grid(partial(_of_curve, table, key))
+        data[name] = ([*axes, *places], values, {"units": unit})
     coordinates = dict(zip(axes, sweep.axis.values(), strict=True))
-    coordinates["position_pitch"] = luminance["position_pitch"]
-    dataset = xarray.Dataset(data, coordinates, {"title": sweep.name, "seed": str(sweep.seed)})
+    dataset = xarray.Dataset(
+        data, {**coordinates, **places}, {"title": sweep.name, "seed": str(sweep.seed)}
+    )
     dataset.to_netcdf(path, format="NETCDF3_64BIT", engine="scipy")
