@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import mpfcad
+from mpfcad.api.result import Export, Measurement, Run, Trace
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
 MASKS = Path(__file__).parents[1] / "masks"
@@ -129,13 +130,21 @@ def test_the_examples_of_the_docstrings_run(name):
     assert result.attempted and not result.failed
 
 
-def test_the_notebook_of_the_docs(folder, tmp_path, short_trace, monkeypatch):
-    text = (Path(__file__).parents[1] / "docs" / "python.md").read_text("utf-8")
-    (block,) = [part.split("```")[0] for part in text.split("```python")[1:]]
-    assert len(block.strip().splitlines()) <= 13
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "stack.toml").write_text(STACK)
-    names = {}
-    exec(compile(block, "docs/python.md", "exec"), names)
-    assert names["run"].verdict in ("PASS", "MARGINAL", "FAIL", "INCONCLUSIVE")
-    assert (tmp_path / "exports" / "wave" / "report.html").is_file()
+def test_a_run_prints_what_decides_in_a_few_lines(run):
+    title, contrast, mean, files = str(run).splitlines()
+    assert title == f"wave: {run.verdict}"
+    assert contrast.endswith(str(run.contrast)) and mean.endswith(str(run.mean_luminance_cd_m2))
+    assert str(run.folder) in files and "report.html" in files
+    assert repr(run) == str(run)
+
+
+def test_every_result_prints_in_a_few_lines(run, job, tmp_path):
+    figures = {f"figure_{n}": {"value": 1.0, "ci95": [0.0, 2.0]} for n in range(40)}
+    (tmp_path / "measure.html").touch()
+    measured = str(Measurement(tmp_path, {"name": "film"} | figures)).splitlines()
+    assert len(measured) == 9 and "and 34 more" in measured[7]
+    assert str(Trace(run.record)).splitlines()[1:] == str(run).splitlines()[1:3]
+    assert len(str(Export(run.folder)).splitlines()) == 2
+    assert str(job) == "<Job wave>"
+    untraced = run.record | {"lamp_mura_contrast": None, "mean_luminance_cd_m2": None}
+    assert "not measured" in str(Run(untraced, run.folder))

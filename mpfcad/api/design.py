@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mpfcad.pipeline import Progress
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DesignResult(Export):
     """A map that was found.
 
@@ -37,6 +37,9 @@ class DesignResult(Export):
     def job(self) -> Job:
         """The job of the film, ready to run."""
         return Job(self.job_file)
+
+    def _lines(self) -> list[tuple[str, object]]:
+        return [("job", self.job_file)]
 
     def _repr_html_(self) -> str:
         rows = [(path.name, f"{path.stat().st_size:,}") for path in self.files]

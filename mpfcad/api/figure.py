@@ -34,6 +34,8 @@ class Figure(NamedTuple):
         return cls(float(entry["value"]), float(low), float(high))
 
     def __str__(self) -> str:
+        if self.value != self.value:
+            return "not measured"
         return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
 
 
@@ -45,3 +47,17 @@ def html_table(title: str, head: Iterable[str], rows: Iterable[Iterable[object]]
     )
     table = f"<table><thead><tr>{first}</tr></thead><tbody>{body}</tbody></table>"
     return f"<div><b>{escape(title)}</b>{table}</div>"
+
+
+def text_lines(title: str, rows: Iterable[tuple[str, object]]) -> str:
+    """Return a title and a line a row, the values below each other.
+
+    Examples
+    --------
+    >>> print(text_lines("wave: PASS", [("contrast", Figure(0.0052, 0.0031, 0.0068))]))
+    wave: PASS
+      contrast  0.0052 [0.0031, 0.0068]
+    """
+    rows = list(rows)
+    width = max((len(name) for name, _ in rows), default=0)
+    return "\n".join([title, *(f"  {name:<{width}}  {value}" for name, value in rows)])

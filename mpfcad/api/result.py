@@ -7,14 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpfcad.api.figure import Figure, html_table
+from mpfcad.api.figure import Figure, html_table, text_lines
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
     import xarray as xr
 
 
-@dataclass(frozen=True)
+#: Figures that a measurement prints.
+_SHOWN = 6
+
+
+@dataclass(frozen=True, repr=False)
 class Export:
     """A folder of files that a command has made, each hashed in its manifest.
 
@@ -31,12 +35,20 @@ class Export:
         """Every file of the export, by name."""
         return tuple(path for path in sorted(self.folder.iterdir()) if path.is_file())
 
+    def _lines(self) -> list[tuple[str, object]]:
+        """Return the rows that stand before the files when it is printed."""
+        return []
+
+    def __repr__(self) -> str:
+        files = ", ".join(path.name for path in self.files)
+        return text_lines(str(self.folder), [*self._lines(), ("files", files)])
+
     def _repr_html_(self) -> str:
         rows = [(path.name, f"{path.stat().st_size:,}") for path in self.files]
         return html_table(str(self.folder), ("file", "bytes"), rows)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trace:
     """The luminance over the lamp pitch of a film in a backlight.
 
@@ -89,17 +101,20 @@ class Trace:
         figure.update_layout(xaxis_title="position [lamp pitch]", yaxis_title="luminance [cd/m²]")
         return figure
 
-    def _rows(self) -> list[tuple[object, ...]]:
+    def _rows(self) -> list[tuple[str, object]]:
         return [
             ("lamp-Mura contrast", self.contrast),
             ("mean luminance [cd/m²]", self.mean_luminance_cd_m2),
         ]
 
+    def __repr__(self) -> str:
+        return text_lines("trace", self._rows())
+
     def _repr_html_(self) -> str:
         return html_table("trace", ("figure", "value [95 %]"), self._rows())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run(Trace):
     """A verified film: files, figures and verdict.
 
@@ -162,6 +177,12 @@ class Run(Trace):
             {name: ("groove", v) for name, v in values.items()}, coords={"groove": groove}
         )
 
+    def __repr__(self) -> str:
+        files = f"{self.folder}: {', '.join(path.name for path in self.files)}"
+        return text_lines(
+            f"{self.record['name']}: {self.verdict}", [*self._rows(), ("files", files)]
+        )
+
     def _repr_html_(self) -> str:
         rows = [
             (g["outcome"], g["name"], Figure.of(g), f"{g['limit']:.6g}")
@@ -171,7 +192,7 @@ class Run(Trace):
         return html_table(title, ("outcome", "gate", "value [95 %]", "limit"), rows)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Measurement(Export):
     """Photometric figures of a film in a backlight.
 
@@ -189,6 +210,11 @@ class Measurement(Export):
     def figures(self) -> dict[str, Figure]:
         """Every figure that has an interval, by its place in the record (`contrast.…`)."""
         return dict(_figures(self.record, ""))
+
+    def _lines(self) -> list[tuple[str, object]]:
+        rows: list[tuple[str, object]] = list(self.figures.items())
+        more = len(rows) - _SHOWN
+        return rows[:_SHOWN] + ([("…", f"and {more} more in .figures")] if more > 0 else [])
 
     def _repr_html_(self) -> str:
         rows = list(self.figures.items())

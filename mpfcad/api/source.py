@@ -31,6 +31,9 @@ class Sourced(ABC, Generic[Model]):
         model: Any = self.model  # each of the three has one
         return str(model.name)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name}>"
+
 
 def read_source(
     model: type[Model], source: str | Path | Mapping[str, Any], folder: str | Path | None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mpfcad.pipeline import Progress
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SweepResult(Export):
     """The points of a sweep.
 
@@ -37,6 +37,10 @@ class SweepResult(Export):
 
         with xr.open_dataset(self.folder / "sweep.nc") as stored:
             return stored.load()
+
+    def _lines(self) -> list[tuple[str, object]]:
+        sizes = self.dataset.sizes.items()
+        return [("points", " × ".join(f"{size} {name}" for name, size in sizes))]
 
     def _repr_html_(self) -> str:
         return str(self.dataset._repr_html_())

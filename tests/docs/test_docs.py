@@ -5,25 +5,17 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from command import mpfcad
+from page import DOCS, NAMED, blocks, write_files
 
 from mpfcad.cli import run_app
 
-DOCS = Path(__file__).parents[2] / "docs"
-#: A block of a page: its language (`sh`: run, others: written where they name a file), its text.
-BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```", re.DOTALL | re.MULTILINE)
-NAMED = re.compile(r"# file: (\S+)\n")
-PAGES = ("tutorial", "howto-backlight", "howto-led", "howto-measured")
-
-
-def blocks(page):
-    text = (DOCS / f"{page}.md").read_text("utf-8")
-    return [(found[1], found[2]) for found in re.findall(BLOCK, text)]
+#: Pages that tell one to type commands and need no file of one's own.
+TYPED = ("tutorial", "howto-backlight", "howto-led", "howto-measured", "python")
 
 
 def take_photos(folder):
@@ -56,19 +48,6 @@ def test_every_page_stands_in_the_index():
     assert {name for name in names if not re.search(rf"^{name}$", index, re.MULTILINE)} == set()
 
 
-@pytest.mark.parametrize("page", sorted(path.stem for path in DOCS.glob("howto-*.md")))
-def test_commands_of_the_how_tos_are_those_of_the_program(page):
-    import typer
-
-    from mpfcad.cli.app import app
-
-    group = typer.main.get_command(app)
-    for _, text in blocks(page):
-        for line in re.findall(r"^ *mpfcad .*$", text, re.MULTILINE):
-            _, name, *arguments = shlex.split(line)
-            group.commands[name].make_context(name, arguments)
-
-
 def test_a_measured_screen_is_judged_as_its_page_says(tmp_path, monkeypatch, capsys):
     page = blocks("howto-measured")
     (tmp_path / "luminance.csv").write_text(NAMED.sub("", page[0][1]), "utf-8")
@@ -85,25 +64,30 @@ def test_a_measured_screen_is_judged_as_its_page_says(tmp_path, monkeypatch, cap
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", TYPED)
 def test_what_a_page_tells_one_to_type_works(page, tmp_path):
     ran = 0
     take_photos(tmp_path)
+    write_files(page, tmp_path)
     for language, text in blocks(page):
-        named = NAMED.match(text)
-        if named:
-            (tmp_path / named[1]).write_text(text[named.end() :], "utf-8")
-        if language != "sh":
-            continue
-        for line in text.strip().splitlines():
-            program, *arguments = shlex.split(line)
-            assert program == "mpfcad"
-            done = mpfcad(*arguments, cwd=tmp_path, timeout=1200)
-            # A film of a page may be INCONCLUSIVE after a quick trace, or fail.
-            assert done.returncode in ((0, 1) if arguments[0] in ("run", "verify") else (0,)), (
-                line,
-                done.stderr,
-            )
-            ran += 1
+        if language == "sh":
+            for line in text.strip().splitlines():
+                typed(line, tmp_path)
+                ran += 1
+    script = "".join(text for language, text in blocks(page) if language == "python")
+    if script:
+        command = [sys.executable, "-c", script]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=1200)
+        assert done.returncode == 0, done.stderr
+        ran += 1
     assert ran > 0
     shutil.rmtree(tmp_path / "exports", ignore_errors=True)
+
+
+def typed(line, folder):
+    """Run a line of a page; a film of it may be INCONCLUSIVE after a quick trace, or fail."""
+    program, *arguments = shlex.split(line)
+    assert program == "mpfcad"
+    done = mpfcad(*arguments, cwd=folder, timeout=1200)
+    expected = (0, 1) if arguments[0] in ("run", "verify") else (0,)
+    assert done.returncode in expected, (line, done.stderr)
