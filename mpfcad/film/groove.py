@@ -21,6 +21,8 @@ from mpfcad.sound import refuse_unsound
 
 Profile = Literal["filled", "ideal"]
 PROFILES: tuple[Profile, ...] = ("filled", "ideal")
+#: A curvature is that of an empty groove within this share of it: curvature.csv has nine digits.
+BARE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,10 @@ class Groove:
     def curvature_empty(self) -> float:
         """The C at which a filled groove holds no resin, 2 s/w [1/mm]: the printable limit."""
         return 2 * self.wall_slope / self.half_width
+
+    def takes_resin(self, curvature: ArrayLike) -> NDArray[np.bool_]:
+        """Return whether a filled groove of a curvature [1/mm] holds any resin."""
+        return np.asarray(curvature, float) < self.curvature_empty * (1 - BARE)
 
     def curvature_most(self, profile: Profile) -> float:
         """Return the largest C [1/mm] of a profile: that of the empty groove, or none."""

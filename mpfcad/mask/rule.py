@@ -84,7 +84,7 @@ class MaskRules:
         )
 
 
-def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
+def dot_side(rules: MaskRules, pitch: float, period: float, where: str = "job") -> float:
     """Return the (largest) side of a stochastic pattern's dots [mm].
 
     Blue-noise dots are up to √2 smaller than that: one dot of a tile just becoming two.
@@ -99,13 +99,15 @@ def dot_side(rules: MaskRules, pitch: float, period: float) -> float:
     smallest = rules.aperture_limit * (2**0.5 if rules.pattern == "blue-noise" else 1)
     if not smallest <= side * (1 + 1e-9) <= largest * (1 + 2e-9):
         raise InputError(
-            f"mask: dot {side / um:.4g} µm: expected {smallest / um:.4g} … "
+            f"{where}: mask.dot_um: {side / um:.4g}: expected {smallest / um:.4g} … "
             f"{largest / um:.4g} µm ({rules.describe(period)})"
         )
     return side
 
 
-def ratio_range(rules: MaskRules, pitch: float, period: float) -> tuple[float, float]:
+def ratio_range(
+    rules: MaskRules, pitch: float, period: float, where: str = "job"
+) -> tuple[float, float]:
     """Return the smallest and largest aperture ratio above 0 that the rules allow (lengths in mm).
 
     Between dots the web counts across and along; a slot has its web along only. A stochastic
@@ -114,7 +116,7 @@ def ratio_range(rules: MaskRules, pitch: float, period: float) -> tuple[float, f
     if rules.pattern == "slot":
         return rules.aperture_limit / period, 1 - rules.web_limit / period
     if rules.is_stochastic:
-        return 0.0, dot_side(rules, pitch, period) ** 2 / (pitch * period)
+        return 0.0, dot_side(rules, pitch, period, where) ** 2 / (pitch * period)
     side = max(0.0, min(pitch, period) - rules.web_limit)
     return rules.aperture_limit**2 / (pitch * period), side**2 / (pitch * period)
 
@@ -136,27 +138,29 @@ def check_rules(
         one line naming the grooves, their ratios, and the ratios, curvatures and mesh expected.
     """
     pitch, empty = film.groove.pitch, film.groove.curvature_empty
-    low, high = ratio_range(rules, pitch, period)
+    low, high = ratio_range(rules, pitch, period, where)
     asked = rules.describe(period)
     if low > high:
+        needed = (rules.aperture_limit + rules.web_limit) / um
+        room = "mask.period_um" if rules.pattern == "slot" else "pitch and mask.period_um"
         raise InputError(
-            f"{where}: {asked}: no aperture fits: smallest ratio {low:.4g}, largest {high:.4g}"
+            f"{where}: mask.period_um: {period / um:.4g}: no aperture fits ({asked}): expected "
+            f"{room} of {needed:.4g} or more"
         )
     size = along * GRID
     largest = (period if rules.pattern == "slot" else min(pitch, period)) - rules.web_limit
-    bad = np.flatnonzero(
-        (along > 0) & ((size < rules.aperture_limit - GRID) | (size > largest + GRID))
-    )
+    wet = film.groove.takes_resin(film.extremes()[0])
+    bad = np.flatnonzero(wet & ((size < rules.aperture_limit - GRID) | (size > largest + GRID)))
     if bad.size:
         curvature = film.extremes()[0][bad]
         top = process.curvature(low)
         bottom = process.curvature(min(high, process.aperture_ratio_max))
         raise InputError(
-            f"{where}: {groove_ranges(bad)}: curvature_per_mm {curvature.min():.4g} … "
+            f"{where}: map: {groove_ranges(bad)}: curvature_per_mm {curvature.min():.4g} … "
             f"{curvature.max():.4g} (aperture_ratio {ratio[bad].min():.4g} … "
             f"{ratio[bad].max():.4g}): expected {bottom:.4g} … {top:.4g} or {empty:g} "
             f"(no resin; ratio {low:.4g} … {high:.4g}: {asked})"
-            f"{suggest_mesh(rules, size[along > 0].astype(np.float64), period)}"
+            f"{suggest_mesh(rules, size[wet].astype(np.float64), period)}"
         )
     if rules.pattern == "slot":
         _check_runs(where, along > 0, pitch, rules)
@@ -203,6 +207,6 @@ def _check_runs(where: str, is_open: NDArray[np.bool_], pitch: float, rules: Mas
                 [np.arange(a, b) for a, b in zip(start[bad], end[bad], strict=True)]
             )
             raise InputError(
-                f"{where}: {groove_ranges(grooves)}: {what} of {width[bad].min() / um:g} µm across "
-                f"the grooves: expected {name} {limit / um:g} µm or more"
+                f"{where}: map: {groove_ranges(grooves)}: {what} of {width[bad].min() / um:g} µm "
+                f"across the grooves: expected mask.{name}_um, {limit / um:g}, or more"
             )

@@ -141,3 +141,36 @@ def test_what_a_data_sheet_states_stands_beside_what_geometry_gives(tmp_path):
 )
 def test_a_data_sheet_that_contradicts_itself_is_refused(tmp_path, figures, line):
     refused(planned(tmp_path, figures), f"job.toml: mask.mesh.{line}")
+
+
+BIG = """name = "big"
+[map]
+curvature_per_mm = 1.0
+[film]
+pitch_um = 2000.0
+depth_um = 1000.0
+[stack.override]
+lamp_radius_mm = 0.2
+lamp_height_mm = 0.5
+panel_width_mm = 4.0
+panel_length_mm = 2.0
+lamp_count = 1
+lamp_pitch_mm = 4.0
+"""
+
+
+def test_a_film_beyond_the_process_says_what_would_make_it_and_that_makes_it(tmp_path):
+    (tmp_path / "job.toml").write_text(BIG)
+    refused(
+        mpfcad("mask", "job.toml", "--plan", cwd=tmp_path),
+        "job.toml: map: grooves 0-1: curvature_per_mm 1 … 1: expected 1.666 … 2, ",
+        "process.calibration or mask.mesh that fills 0.3333, or film.profile = 'ideal'",
+    )
+    own = 'kind = "volume"\nsource = "own"\ntransfer_factor = 0.5\n'
+    own += "[groove]\npitch_um = 2000.0\ndepth_um = 1000.0\n"
+    (tmp_path / "own.toml").write_text("schema = 1\n" + own)
+    (tmp_path / "job.toml").write_text(BIG + '[process]\ncalibration = "own.toml"\n')
+    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    screen = json.loads((tmp_path / "out" / "screen.json").read_text())
+    assert screen["aperture_ratio"]["max"] == pytest.approx(2 / 3, abs=1e-4)

@@ -171,11 +171,11 @@ def refused(film, asked):
 def test_what_a_pattern_cannot_reach_is_refused():
     small = rules("error-diffused", dot=0.010)
     assert "grooves 0-39: aperture_ratio" in refused(field_film(), small)
-    assert "expected 0 or 0 … 0.04" in refused(film_of([60.0] * 40), small)
-    assert "dot 45 µm: expected 8 … 40 µm" in refused(
+    assert "expected 0 or 0.0001 … 0.04" in refused(film_of([60.0] * 40), small)
+    assert "mask.dot_um: 45: expected 8 … 40 µm" in refused(
         field_film(), rules("error-diffused", dot=0.045)
     )
-    assert "dot 9 µm: expected 11.31 … 40 µm" in refused(
+    assert "mask.dot_um: 9: expected 11.31 … 40 µm" in refused(
         field_film(), rules("blue-noise", dot=0.009)
     )
     coarse = MaskRules("blue-noise", 0.05, 0.025, 0.010, levelling_length=0.2)

@@ -260,12 +260,13 @@ def check_printable(process: Process, curvature: ArrayLike, where: str) -> None:
         | ~(curvature <= process.groove.curvature_empty * (1 + 1e-12))
     )
     if bad.size:
+        needed = float(fill[bad].max())
         raise InputError(
             f"{where}: {groove_ranges(bad)}: curvature_per_mm "
             f"{curvature[bad].min():.4g} … {curvature[bad].max():.4g}: expected "
             f"{process.curvature_min:.4g} … {process.groove.curvature_empty:.4g}, "
-            f"what the process reaches (fill 0 … {process.fill_fraction_max:.4g} with aperture "
-            f"ratios 0 … {process.aperture_ratio_max:.4g})"
+            f"what the process reaches (fill 0 … {process.fill_fraction_max:.4g}), or a "
+            f"process.calibration or mask.mesh that fills {needed:.4g}, or film.profile = 'ideal'"
         )
 
 

@@ -17,7 +17,9 @@ LARGEST_SIDE = 2_100_000_000
 LEVEL_SHARE = 0.25
 
 
-def build_mask(film: PanelFilm, process: Process, rules: MaskRules, name: str) -> Mask:
+def build_mask(
+    film: PanelFilm, process: Process, rules: MaskRules, name: str, where: str | None = None
+) -> Mask:
     """Return the mask that prints a film.
 
     Parameters
@@ -30,34 +32,40 @@ def build_mask(film: PanelFilm, process: Process, rules: MaskRules, name: str) -
         pattern, period and what the screen maker can make
     name
         the job's name, printable ASCII
+    where
+        what a refusal begins with, the job's file; None: `name`
 
     Raises
     ------
     InputError
         one line naming the grooves (counted from 0), the values and what is expected.
     """
-    where = f"{name}: mask"
+    where = where or (name if name.isprintable() else repr(name))
     if film.profile != "filled":
-        raise InputError(f"{where}: profile '{film.profile}': expected 'filled', resin only adds")
+        raise InputError(
+            f"{where}: film.profile: {film.profile}: expected 'filled', resin only adds"
+        )
     if not (name.isascii() and name.isprintable()):
-        raise InputError(f"{name!r}: mask: name: expected printable ASCII")
+        raise InputError(f"{where}: name: {name!r}: expected printable ASCII")
     low, high = film.extremes()
-    check_printable(process, low, where)
-    check_printable(process, high, where)
-    if max(film.length, film.width) / GRID > LARGEST_SIDE:
-        side = max(film.length, film.width)
-        raise InputError(f"{where}: panel side {side:g} mm: expected up to {LARGEST_SIDE * GRID:g}")
+    check_printable(process, low, f"{where}: map")
+    check_printable(process, high, f"{where}: map")
+    for side, value in (("width", film.width), ("length", film.length)):
+        if value / GRID > LARGEST_SIDE:
+            raise InputError(
+                f"{where}: stack.panel_{side}_mm: {value:g}: expected up to {LARGEST_SIDE * GRID:g}"
+            )
     content_hash = _hash(film)
     if not film.varies_along and not rules.is_stochastic:
-        return build_groove_mask(film, process, rules, name, content_hash)
+        return build_groove_mask(film, process, rules, name, content_hash, where)
     if rules.pattern in ("staggered", "angled"):
         raise InputError(
-            f"{where}: pattern {rules.pattern!r}: expected for a map across the grooves only; "
-            f"a map in both directions takes 'slot', 'dot', 'blue-noise' or 'error-diffused'"
+            f"{where}: mask.pattern: {rules.pattern}: expected 'slot', 'dot', 'blue-noise' or "
+            f"'error-diffused' for a map in both directions"
         )
     if rules.pattern == "error-diffused":
-        return _build_dithered(film, process, rules, name, content_hash)
-    return _build_tiled(film, process, rules, name, content_hash)
+        return _build_dithered(film, process, rules, name, content_hash, where)
+    return _build_tiled(film, process, rules, name, content_hash, where)
 
 
 def _hash(film: PanelFilm) -> str:
@@ -74,7 +82,7 @@ def _check_ratio(
     period: float,
     lowest: float,
 ) -> None:
-    """Refuse grooves with ratios above 0 that are outside `lowest` … what full cells give.
+    """Refuse grooves that take resin, with ratios outside `lowest` … what full cells give.
 
     Raises
     ------
@@ -82,17 +90,20 @@ def _check_ratio(
         one line naming the grooves, their ratios, and the ratios and curvatures expected.
     """
     pitch = film.groove.pitch
-    highest = ratio_range(rules, pitch, period)[1]
-    ends = [process.aperture_ratio_of_curvature(values) for values in film.extremes()]
-    ratio = np.stack(ends)
-    bad = (ratio > 1e-9) & ((ratio < lowest * (1 - 1e-6)) | (ratio > highest * (1 + 1e-6)))
+    highest = ratio_range(rules, pitch, period, where)[1]
+    curvature = np.stack(film.extremes())
+    ratio = process.aperture_ratio_of_curvature(curvature)
+    # Dots of one size: a groove may thin out to nothing, if it has one dot anywhere.
+    found = ratio.max(axis=0) if rules.pattern == "error-diffused" else ratio
+    low = film.groove.takes_resin(curvature) & (found < lowest * (1 - 1e-6))
+    bad = low | (ratio > highest * (1 + 1e-6))
     index = np.flatnonzero(bad.any(axis=0))
     if index.size:
         top, bottom = process.curvature(lowest), process.curvature(min(highest, 1.0))
         shown = ratio[bad]
         hint = suggest_mesh(rules, np.sqrt(shown * pitch * period), period)
         raise InputError(
-            f"{where}: {groove_ranges(index)}: aperture_ratio {shown.min():.4g} … "
+            f"{where}: map: {groove_ranges(index)}: aperture_ratio {shown.min():.4g} … "
             f"{shown.max():.4g}: expected 0 or {lowest:.4g} … {highest:.4g} "
             f"({rules.describe(period)}), that is curvature_per_mm {bottom:.4g} … {top:.4g} or "
             f"{film.groove.curvature_empty:g} (no resin){hint}"
@@ -100,15 +111,21 @@ def _check_ratio(
 
 
 def _build_dithered(
-    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm,
+    process: Process,
+    rules: MaskRules,
+    name: str,
+    content_hash: str,
+    where: str,
 ) -> Mask:
     from mpfcad.mask.pattern.dither import DitherMask, dither
     from mpfcad.mask.pattern.ratio import CellRatio
 
     cells = max(1, round(film.length / rules.period))
-    _check_ratio(f"{name}: mask", film, process, rules, film.length / cells, 0.0)
     pitch, period = film.groove.pitch, film.length / cells
-    side = round(dot_side(rules, pitch, period) / GRID)
+    side = round(dot_side(rules, pitch, period, where) / GRID)
+    one_dot = (side * GRID) ** 2 / (pitch * film.length)
+    _check_ratio(where, film, process, rules, period, one_dot)
     steps = round(film.length / GRID) // cells
     spare = round(film.length / GRID) - steps * cells
     ratio = CellRatio.build(film, process, cells)
@@ -130,7 +147,12 @@ def _build_dithered(
 
 
 def _build_tiled(
-    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm,
+    process: Process,
+    rules: MaskRules,
+    name: str,
+    content_hash: str,
+    where: str,
 ) -> Mask:
     from mpfcad.mask.pattern.ratio import CellRatio
     from mpfcad.mask.pattern.tiles import LevelMask, quantise
@@ -145,8 +167,8 @@ def _build_tiled(
     if noise:
         lowest = rules.aperture_limit**2 / (pitch * period * tile_cells)
     else:
-        lowest = ratio_range(rules, pitch, period)[0]
-    _check_ratio(f"{name}: mask", film, process, rules, period, lowest)
+        lowest = ratio_range(rules, pitch, period, where)[0]
+    _check_ratio(where, film, process, rules, period, lowest)
     edge = np.rint(film.tip_position / GRID).astype(np.int64)
     width = np.diff(edge)
     n = film.groove_count
@@ -167,7 +189,7 @@ def _build_tiled(
         width=widths,
         pitch=pitch / GRID,
         period=period / GRID,
-        dot=dot_side(rules, pitch, period) / GRID if noise else None,
+        dot=dot_side(rules, pitch, period, where) / GRID if noise else None,
         is_slot=rules.pattern == "slot",
     )
     key = np.unique(phase[:, None] * len(level_ratio) + level)

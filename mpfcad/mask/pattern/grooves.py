@@ -23,6 +23,7 @@ from mpfcad.film import PanelFilm, Process
 from mpfcad.mask.aperture import Mask, ends_of
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.rule import GRID, MaskRules, check_rules
+from mpfcad.units import um
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +161,12 @@ def _closed_arrays(mask: GrooveMask) -> Iterator[ApertureArray]:
 
 
 def build_groove_mask(
-    film: PanelFilm, process: Process, rules: MaskRules, name: str, content_hash: str
+    film: PanelFilm,
+    process: Process,
+    rules: MaskRules,
+    name: str,
+    content_hash: str,
+    where: str,
 ) -> GrooveMask:
     """Return the mask of a film with one curvature a groove, as one lattice a groove.
 
@@ -169,7 +175,6 @@ def build_groove_mask(
     InputError
         one line naming the grooves whose apertures or webs would be too small.
     """
-    where = f"{name}: mask"
     edge = np.rint(film.tip_position / GRID).astype(np.int64)
     length = round(film.length / GRID)
     period_count = max(1, round(film.length / rules.period))
@@ -179,7 +184,10 @@ def build_groove_mask(
     # A lattice that is moved by less than a period has room for one aperture less.
     count = period_count - (shift > 0)
     if period_count == 1 and shift.any():
-        raise InputError(f"{where}: {rules.describe(film.length)}: expected two periods or more")
+        raise InputError(
+            f"{where}: mask.period_um: {rules.period / um:g}: one period on a panel of "
+            f"{film.length:g} mm: expected two or more with pattern {rules.pattern!r}"
+        )
     across, along = _aperture_size(wanted, edge, film, rules, length / count)
     check_rules(where, wanted, along, film, process, rules, length / period_count * GRID)
     return GrooveMask(

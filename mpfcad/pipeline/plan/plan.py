@@ -70,6 +70,8 @@ class Plan:
         under LEDs, the plan of the printed film that lies across this one, in its own axes
     suffix
         what the names of this film's files have after `mask`, `film` and `curvature`
+    where
+        what a refusal begins with: the job's file, or the export
     """
 
     job: Job
@@ -85,6 +87,7 @@ class Plan:
     input_file: dict[str, Path] = field(default_factory=dict)
     crossed: "Plan | None" = None
     suffix: str = ""
+    where: str = "job"
 
     @property
     def films(self) -> "tuple[Plan, ...]":
@@ -299,7 +302,7 @@ def _build_plan(
     laid = panel_map.lay(job, stack, measured, where)
     plan = Plan(
         job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
-        laid.field_film, measured=laid.measured,
+        laid.field_film, measured=laid.measured, where=where,
     )  # fmt: skip
     if panel_map.crossed is None:
         return plan

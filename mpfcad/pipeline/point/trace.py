@@ -221,18 +221,17 @@ def describe_point_screen(plan: Plan) -> str | None:
     """Return the screen that prints a point's film, or why it does not; None: no print makes it."""
     if plan.process is None:
         return None
-    job, where = plan.job, plan.job.name
+    job = plan.job
     if job.mask.mesh is None:
         return PHOTOTOOL_ONLY
-    rules = job_rules(job, plan.field_film or plan.panel, plan.process)
+    rules = job_rules(job, plan.field_film or plan.panel, plan.process, plan.where)
     assert rules.mesh is not None  # the job names one
     try:
-        low, high = printable_range(plan.process, rules, job.gates, where)
+        low, high = printable_range(plan.process, rules, job.gates, job.name)
     except InputError as error:
         return f"not printed: {error}"
     curvature = plan.curvature
-    is_open = curvature < plan.panel.groove.curvature_empty * (1 - 1e-12)
-    found = curvature[is_open]
+    found = curvature[plan.panel.groove.takes_resin(curvature)]
     if found.size and (found.min() < low or found.max() > high):
         return (
             f"not printed by {rules.mesh.name}: C {found.min():.4g} … {found.max():.4g} /mm: "

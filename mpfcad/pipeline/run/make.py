@@ -34,22 +34,23 @@ def plan_mask(plan: Plan) -> Mask | None:
 
     if plan.process is None:
         return None
-    rules = job_rules(plan.job, plan.printed, plan.process)
-    return build_mask(plan.printed, plan.process, rules, plan.job.name)
+    rules = job_rules(plan.job, plan.printed, plan.process, plan.where)
+    return build_mask(plan.printed, plan.process, rules, plan.job.name, plan.where)
 
 
-def job_rules(job: Job, film: PanelFilm, process: Process) -> MaskRules:
+def job_rules(job: Job, film: PanelFilm, process: Process, where: str) -> MaskRules:
     """Return the rules of a job's mask, levelling worked out for its least filled groove.
 
     Raises
     ------
     InputError
-        for a mesh that there is not, or a resin that does not run.
+        that begins with `where`, for a mesh that there is not, or a resin that does not run.
     """
-    ratio = process.aperture_ratio_of_curvature(film.content[-1])
-    smallest = float(ratio[ratio > 1e-9].min(initial=1.0))
-    levelling = job_levelling(job, process, film.groove, smallest, job.name)
-    return mask_rules(job.mask, job.name, levelling)
+    curvature = film.content[-1]
+    wet = curvature[film.groove.takes_resin(curvature)]
+    smallest = float(process.aperture_ratio_of_curvature(wet).min(initial=1.0))
+    levelling = job_levelling(job, process, film.groove, smallest, where)
+    return mask_rules(job.mask, where, levelling)
 
 
 def write_curvature(plan: Plan, folder: Path) -> None:

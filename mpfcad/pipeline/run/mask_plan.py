@@ -162,11 +162,16 @@ def mask_plan_of(plan: Plan) -> MaskPlan | None:
 
 
 def field_mask_plan(
-    job: Job, film: FieldFilm, stack: Stack, process: Process | None, calibration: str | None
+    job: Job,
+    film: FieldFilm,
+    stack: Stack,
+    process: Process | None,
+    calibration: str | None,
+    where: str,
 ) -> MaskPlan:
     """Return the mask of a map that varies along the grooves too; no piece of it is cut."""
     assert process is not None  # refuse_unprintable saw to that
-    mask = build_mask(film, process, job_rules(job, film, process), job.name)
+    mask = build_mask(film, process, job_rules(job, film, process, where), job.name, where)
     stored = describe_job(job, stack, calibration)
 
     def write_curvature(folder: Path) -> None:
@@ -215,4 +220,5 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     job, reason = with_screen(job, job_file, panel_map.curvature, groove)
     process = with_reason(read_job_process(job, calibration, groove, str(job_file)), reason)
     text = None if calibration is None else calibration.read_text("utf-8")
-    return field_mask_plan(job, film, read_job_stack(job, job_file), process, text)
+    stack = read_job_stack(job, job_file)
+    return field_mask_plan(job, film, stack, process, text, str(job_file))

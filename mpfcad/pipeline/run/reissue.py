@@ -85,7 +85,8 @@ def _restore_field(folder: Path, job: Job, document: dict[str, Any]) -> MaskPlan
     stack, text = restore_stack(document["stack"]), document["calibration"]
     count = groove_count(stack.panel_width, job.film.groove.pitch)
     film = read_field_film(job, folder / FIELD_FILE, str(folder), count, stack)
-    return field_mask_plan(job, film, stack, restore_process(job, text, str(folder)), text)
+    process = restore_process(job, text, str(folder))
+    return field_mask_plan(job, film, stack, process, text, str(folder))
 
 
 def _job_document(folder: Path) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from mpfcad.job.model import GateTable
 from mpfcad.mask.rule import MaskRules, ratio_range
 from mpfcad.mask.screen.printing import LUMINANCE_RESPONSE, curvature_ripple
 from mpfcad.mask.screen.slot_ripple import slot_ripple
+from mpfcad.units import um
 
 #: Share of the printable range of aperture ratio left to the rounding of the mask.
 _RATIO_MARGIN = 0.01
@@ -28,7 +29,7 @@ def printable_range(
     InputError
         when nothing is left.
     """
-    low, high = ratio_range(rules, process.groove.pitch, rules.period)
+    low, high = ratio_range(rules, process.groove.pitch, rules.period, where)
     if rules.mesh is not None:
         low, high = max(low, gates.ratio_min), min(high, gates.ratio_max)
     low, high = low * (1 + _RATIO_MARGIN), high * (1 - _RATIO_MARGIN)
@@ -38,9 +39,9 @@ def printable_range(
     if low >= high:
         asked = rules.describe(rules.period)
         raise InputError(
-            f"{where}: mask: {asked}: no aperture ratio is printed: smallest {low:.4g}, largest "
-            f"{high:.4g}: expected a longer mask.period_um, a finer mask.mesh, or another "
-            f"process.solids_fraction"
+            f"{where}: mask.period_um: {rules.period / um:g}: no aperture ratio is printed "
+            f"({asked}; smallest {low:.4g}, largest {high:.4g}): expected a longer period, a finer "
+            f"mask.mesh, or another process.solids_fraction"
         )
     return float(process.curvature(high)), float(process.curvature(low))
 

@@ -172,10 +172,12 @@ def _row(
 ) -> Proposal | None:
     """Return a mesh's screen; None when no period holds its slots or dots."""
     coated = mesh.coated(0.0 if job.mask.mesh is None else job.mask.mesh.emulsion)
-    ratio = process.aperture_ratio_of_curvature(curvature)
-    ratio = ratio[ratio > 1e-9]
+    ratio = process.aperture_ratio_of_curvature(curvature[groove.takes_resin(curvature)])
     if not ratio.size:
-        raise InputError(f"{where}: map: no groove takes resin: expected a curvature below 80 /mm")
+        raise InputError(
+            f"{where}: map: no groove takes resin: expected a curvature_per_mm below "
+            f"{groove.curvature_empty:g}"
+        )
     ends = (float(ratio.min()), float(ratio.max()))
     cell = coated.min_feature
     limits = (max(cell, job.mask.min_aperture), max(cell, job.mask.min_web))
@@ -289,7 +291,7 @@ def _nearest_map(
         float(process.curvature(min(ratio, process.aperture_ratio_max)))
         for ratio in (job.gates.ratio_max, job.gates.ratio_min)
     )
-    is_open = curvature < groove.curvature_empty * (1 - 1e-12)
+    is_open = groove.takes_resin(curvature)
     bad = np.flatnonzero(is_open & ((curvature < low) | (curvature > high)))
     which = groove_ranges(bad) if bad.size else f"{best.weakest}"
     return (
