@@ -137,8 +137,8 @@ def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
     from mpfcad.pipeline.plan.tube import read_tube_plan
 
     case = read_case("mini-led-4mm")
-    with pytest.raises(InputError, match="expected stacks of tubes"):
-        compare_cases([case], tmp_path / "c", Measuring())
+    with pytest.raises(InputError, match="expected one kind of light to compare"):
+        compare_cases([case, read_case("thesis-32in-bef")], tmp_path / "c", Measuring())
     with pytest.raises(InputError, match="camera: not measured under LEDs: expected contrast"):
         measure_film(case, ("camera",), tmp_path / "m", Measuring())
     path = tmp_path / "job.toml"

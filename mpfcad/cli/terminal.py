@@ -307,14 +307,22 @@ def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> 
     if as_json:
         print_json(record)
         return
-    print("case: contrast [95 %], normal luminance and efficiency over conventional, sheets")
+    is_cell = "cell" in record["cases"][0]["contrast"]
+    over = (
+        "luminance over bare prisms, light that leaves"
+        if is_cell
+        else ("luminance and efficiency over conventional")
+    )
+    print(f"case: contrast [95 %], normal {over}, sheets")
     for case in record["cases"]:
         contrast = case["contrast"]["lamp_mura_contrast"]
         low, high = contrast["ci95"]
+        leaves = (
+            case["contrast"]["energy"]["out"] if is_cell else case["relative_efficiency"]["value"]
+        )
         print(
             f"{case['label']}: {contrast['value']:.4f} [{low:.4f}, {high:.4f}], "
-            f"{case['relative_luminance']['value']:.3f}, "
-            f"{case['relative_efficiency']['value']:.3f}, {case['sheet_count']}"
+            f"{case['relative_luminance']['value']:.3f}, {leaves:.3f}, {case['sheet_count']}"
         )
     print(folder / "compare.html")
 

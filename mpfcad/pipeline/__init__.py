@@ -9,6 +9,7 @@ from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, job_case, read_case
 from mpfcad.pipeline.measure.compare import compare_cases
+from mpfcad.pipeline.measure.led_case import read_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.plan.need import available_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
@@ -57,6 +58,7 @@ __all__ = [
     "make_planned_mask",
     "measure_film",
     "read_case",
+    "read_cases",
     "read_mask_plan",
     "read_plan",
     "read_proposals",

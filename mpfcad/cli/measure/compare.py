@@ -14,7 +14,8 @@ def command(
         typer.Argument(
             metavar="CASE…",
             help="JOB.toml, an export folder, FILE.stl, or a stack preset (with a plain BEF in "
-            "it); each with @STACK behind it to put the film into that stack.",
+            "it), all under tubes or all under LEDs; each with @STACK behind it to put the film "
+            "into that stack.",
         ),
     ],
     seed: Seed = 1,
@@ -25,16 +26,16 @@ def command(
         Path, typer.Option("--out", metavar="DIR", help="Folder of the page and its figures.")
     ] = Path("exports/compare"),
 ) -> int:
-    """Compare films and stacks with the conventional one: contrast, luminance, angles, flux."""
+    """Compare films and stacks with the conventional one, under LEDs with their own plain ones."""
     from mpfcad.cli.terminal import Terminal, print_comparison
-    from mpfcad.pipeline import Measuring, compare_cases, read_case
+    from mpfcad.pipeline import Measuring, compare_cases, read_cases
 
     with Terminal() as terminal:
         cases = []
         for source in sources:
             terminal.stage(f"reading {source}")
             film, _, stack = source.partition("@")
-            cases.append(read_case(film, stack or None))
+            cases += read_cases(film, stack or None)
         record = compare_cases(cases, out, Measuring(seed, effort.value, threads), terminal)
     print_comparison(record, out, as_json=json)
     return 0

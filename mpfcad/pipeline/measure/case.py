@@ -64,12 +64,18 @@ class Measuring:
 
 
 def read_case(
-    source: str, stack: str | None = None, thickness: float | None = None, offset: float = 0.0
+    source: str,
+    stack: str | None = None,
+    thickness: float | None = None,
+    offset: float = 0.0,
+    *,
+    alone: bool = False,
 ) -> Case:
     """Return the case of a mesh, an export folder, a job, or a preset (with a plain BEF in it).
 
     `stack`: a preset or stack file in place of the export's or job's own; `thickness` [mm] of the
-    stack in place of its own; `offset` [mm] of a mesh's left edge from a lamp's axis.
+    stack in place of its own; `offset` [mm] of a mesh's left edge from a lamp's axis; `alone`: of
+    two printed films the first, the other's prisms bare.
 
     Raises
     ------
@@ -78,9 +84,9 @@ def read_case(
     """
     path = Path(source)
     if path.is_dir():
-        return _read_export(path, stack, thickness)
+        return _read_export(path, stack, thickness, alone)
     if path.suffix == ".toml" and path.is_file():
-        return job_case(read_job(path), path, stack, thickness)
+        return job_case(read_job(path), path, stack, thickness, alone=alone)
     if path.is_file():
         placed = read_stack(stack or DEFAULT_STACK, thickness=thickness)
         return Case(path.stem, path.name, light_film(placed, path, offset))
@@ -88,31 +94,36 @@ def read_case(
         raise InputError(
             f"{source}: no such file: expected a closed mesh in mm, a job, an export or a preset"
         )
-    return _plain_case(read_stack(source, thickness=thickness))
+    return plain_case(read_stack(source, thickness=thickness))
 
 
 def baseline_case() -> Case:
     """Return a plain BEF in the conventional stack: what every case is compared with."""
     from mpfcad.pipeline.run.examine import BASELINE_PRESET
 
-    return _plain_case(read_stack(BASELINE_PRESET))
+    return plain_case(read_stack(BASELINE_PRESET))
 
 
-def _plain_case(stack: Stack) -> Case:
-    """Return a plain BEF, written to a file and read back, in a stack."""
+def write_plain(stack: Stack, mesh: Path) -> None:
+    """Write the plain BEF that a stack is traced with."""
     from mpfcad.cad import write_stl
     from mpfcad.job.model import CadTable
     from mpfcad.pipeline.run.examine import baseline_film
 
+    write_stl(baseline_film(stack), mesh, CadTable().angle_tolerance)
+
+
+def plain_case(stack: Stack) -> Case:
+    """Return a plain BEF, written to a file and read back, in a stack."""
     if not stack.has_slot:
         return Case("no film", "none", light_film(stack, None))
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
-        write_stl(baseline_film(stack), mesh, CadTable().angle_tolerance)
+        write_plain(stack, mesh)
         return Case("BEF", "plain BEF", light_film(stack, mesh))
 
 
-def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Case:
+def _read_export(folder: Path, stack: str | None, thickness: float | None, alone: bool) -> Case:
     from mpfcad.backlight.stored import restore_stack
     from mpfcad.pipeline.plan.cell import with_crossed
 
@@ -128,7 +139,7 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
     own = restore_stack(record["job"]["stack"]).with_files_in(folder)
     placed = _placed(own, stack, thickness).with_prism(own.prism)
     across = folder / "film-crossed.3mf"
-    if record.get("crossed") is not None:
+    if record.get("crossed") is not None and not alone:
         placed = with_crossed(placed, across)
     traced = record["provenance"]["traced"]
     file = folder / traced["file"]
@@ -136,11 +147,16 @@ def _read_export(folder: Path, stack: str | None, thickness: float | None) -> Ca
 
 
 def job_case(
-    job: Job, job_file: Path, stack: str | None = None, thickness: float | None = None
+    job: Job,
+    job_file: Path,
+    stack: str | None = None,
+    thickness: float | None = None,
+    *,
+    alone: bool = False,
 ) -> Case:
     """Return the film of a job, written to a file and read back, without the rest of its export.
 
-    `stack` and `thickness` as in `read_case`; file names in the job are taken from beside
+    `stack`, `thickness` and `alone` as in `read_case`; file names in the job are taken from beside
     `job_file`, which need not exist.
 
     Raises
@@ -162,7 +178,7 @@ def job_case(
         write_stack_meshes(plan, folder, SILENT)
         own = plan.stack.with_files_in(folder)
         placed = _placed(own, stack, thickness).with_prism(own.prism)
-        if plan.crossed is not None:
+        if plan.crossed is not None and not alone:
             placed = with_crossed(placed, folder / plan.crossed.file("film", traced))
         mesh = folder / plan.file("film", traced)
         return Case(job.name, job_file.name, light_film(placed, mesh, plan.offset))

@@ -1,4 +1,8 @@
-"""`compare_cases`: films and stacks side by side, the conventional stack first."""
+"""`compare_cases`: films and stacks side by side, what they are held against first.
+
+Under tubes that is the conventional stack. Under LEDs it is the first case's own stack, without
+prism films and with bare ones.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -6,12 +10,15 @@ from typing import Any
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.pipeline.measure.case import Case, Measuring, baseline_case, measure_case
+from mpfcad.pipeline.measure.led_case import plain_cases
 from mpfcad.pipeline.measure.measure import describe_case, screen
 from mpfcad.pipeline.progress import SILENT, Progress
 
 COMPARE_FILE = "compare.json"
 COMPARE_PAGE = "compare.html"
 _WHAT = ("contrast", "angular", "flux")
+#: Under LEDs; a forward trace finds with the contrast how much light leaves.
+_CELL_WHAT = ("contrast",)
 
 
 def compare_cases(
@@ -25,25 +32,24 @@ def compare_cases(
     Raises
     ------
     InputError
-        when `out` is something else than an older comparison, or LEDs light a case.
+        when `out` is something else than an older comparison, or LEDs light some cases and tubes
+        others.
     """
     from mpfcad.report import write_compare_page
 
-    for case in cases:
-        if case.lit.is_cell:
-            raise InputError(
-                f"{case.name}: stack {case.lit.stack.name}: LEDs: expected stacks of tubes "
-                "to compare; mpfcad measure takes it alone"
-            )
-    base = baseline_case()
-    others = [case for case in cases if case.lit.case != base.lit.case]
+    is_cell = _all_leds(cases)
+    bases = plain_cases(cases[0].lit) if is_cell else [baseline_case()]
+    known = [base.lit.case for base in bases]
+    others = [case for case in cases if case.lit.case not in known]
+    what = _CELL_WHAT if is_cell else _WHAT
     with export_folder(out, "compare") as folder:
-        rows = [_row(case, measuring, progress) for case in (base, *others)]
+        rows = [_row(case, what, measuring, progress) for case in (*bases, *others)]
+        base = rows[len(bases) - 1]
         for row in rows:
-            row |= _relative(row, rows[0])
+            row |= _relative(row, base)
         record = {
             "schema": 1,
-            "baseline": rows[0]["label"],
+            "baseline": base["label"],
             "seed": measuring.seed,
             "effort": measuring.effort,
             "cases": rows,
@@ -55,14 +61,28 @@ def compare_cases(
     return record
 
 
-def _row(case: Case, measuring: Measuring, progress: Progress) -> dict[str, Any]:
+def _all_leds(cases: list[Case]) -> bool:
+    """Return whether LEDs light all cases; tubes light all others."""
+    lit = {case.lit.is_cell: case for case in cases}
+    if len(lit) > 1:
+        led, tube = lit[True], lit[False]
+        raise InputError(
+            f"{led.name}: stack {led.lit.stack.name}: LEDs; {tube.name}: stack "
+            f"{tube.lit.stack.name}: tubes: expected one kind of light to compare"
+        )
+    return True in lit
+
+
+def _row(
+    case: Case, what: tuple[str, ...], measuring: Measuring, progress: Progress
+) -> dict[str, Any]:
     stack = case.lit.stack
     return {
         "label": f"{case.name} in {stack.name}",
         "traced": describe_case(case, measuring),
         "screen": screen(case.lit),
         "sheet_count": stack.sheet_count,
-        **measure_case(case, _WHAT, measuring, progress),
+        **measure_case(case, what, measuring, progress),
     }
 
 
@@ -71,14 +91,9 @@ def _relative(row: dict[str, Any], base: dict[str, Any]) -> dict[str, Any]:
     from mpfcad.measure import Estimate
     from mpfcad.record import describe_estimate, ratio
 
+    pairs = {"relative_luminance": ("contrast", "mean_luminance_cd_m2")}
+    if "flux" in row:
+        pairs["relative_efficiency"] = ("flux", "efficiency_lm_per_lm")
     if row is base:
-        one = describe_estimate(Estimate(1.0, 1.0, 1.0, 0.0))
-        return {"relative_luminance": one, "relative_efficiency": one}
-    return {
-        "relative_luminance": ratio(
-            row["contrast"]["mean_luminance_cd_m2"], base["contrast"]["mean_luminance_cd_m2"]
-        ),
-        "relative_efficiency": ratio(
-            row["flux"]["efficiency_lm_per_lm"], base["flux"]["efficiency_lm_per_lm"]
-        ),
-    }
+        return dict.fromkeys(pairs, describe_estimate(Estimate(1.0, 1.0, 1.0, 0.0)))
+    return {name: ratio(row[part][key], base[part][key]) for name, (part, key) in pairs.items()}

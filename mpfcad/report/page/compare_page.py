@@ -7,6 +7,7 @@ from typing import Any
 from mpfcad.report.drawing.angle_figure import angular_overlay, pitch_figure
 from mpfcad.report.drawing.plot import Plot, plot
 from mpfcad.report.page.environment import render
+from mpfcad.report.page.led_compare_page import build_led_compare_page
 from mpfcad.report.page.number import with_error
 
 Record = dict[str, Any]
@@ -17,6 +18,9 @@ _COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#
 def write_compare_page(path: Path, record: Record) -> None:
     """Write the page; the same record gives the same bytes."""
     cases = record["cases"]
+    if "cell" in cases[0]["contrast"]:
+        path.write_bytes(build_led_compare_page(record).encode())
+        return
     dressed = list(zip(cases, cycle(_COLOURS), strict=False))
     curves = [(case["label"], case["contrast"], colour) for case, colour in dressed]
     page = render(
