@@ -57,12 +57,21 @@ def test_auto_takes_the_best_says_why_and_its_screen_passes(patterned, tmp_path,
     assert found == pytest.approx(best["ripple_curvature_per_mm"], abs=2e-3)
 
 
-def test_a_map_that_no_mesh_prints_names_grooves_and_the_nearest_one(patterned, tmp_path, capsys):
-    job(tmp_path, "curvature_per_mm = 77.0", '[mask]\nmesh = "auto"')
+@pytest.mark.parametrize("curvature", [77.0, 79.95])  # of the second no period holds anything
+def test_a_map_that_no_mesh_prints_names_grooves_and_the_nearest_one(
+    patterned, tmp_path, capsys, curvature
+):
+    job(tmp_path, f"curvature_per_mm = {curvature}", '[mask]\nmesh = "auto"')
     assert run_app(["mask", "job.toml", "--plan"]) == 2
-    line = capsys.readouterr().err
-    for words in ("map: grooves 0-679", "no mesh of the catalogue prints", "nearest map it prints"):
-        assert words in line
+    line = capsys.readouterr().err.removeprefix("mpfcad: ")
+    stated = f"{curvature:g} … {curvature:g}"
+    assert line.startswith(f"job.toml: map: grooves 0-679: curvature_per_mm {stated}: no mesh of")
+    assert "nearest map it prints" in line and len(line) <= 301
+    ends = [float(x) for x in line.split("expected ")[1].split(" or ")[0].split(" … ")]
+    # The map that it names is printed, by a choice of the program's.
+    inside = min(max(curvature, ends[0] + 0.01), ends[1] - 0.01)
+    job(tmp_path, f"curvature_per_mm = {inside}", '[mask]\nmesh = "auto"')
+    assert run_app(["mask", "job.toml", "--plan"]) == 0
 
 
 def test_a_weaver_s_table_is_what_is_proposed_from(patterned, tmp_path, capsys):

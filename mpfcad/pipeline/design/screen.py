@@ -6,6 +6,7 @@ import numpy as np
 
 from mpfcad.job import Job, build_job
 from mpfcad.job.design import Design
+from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.printed.propose import with_screen
 from mpfcad.pipeline.plan.printed.screen import with_own_catalogue
 
@@ -24,7 +25,7 @@ def with_design_screen(design: Design, file: Path) -> tuple[Design, Job]:
     table, groove = design.constraint, design.film.groove
     high = min(table.curvature_max_per_mm or groove.curvature_empty, groove.curvature_empty)
     ends = np.linspace(table.curvature_min_per_mm, high, 33)
-    job, _ = with_screen(job, file, ends, groove)
+    job, _ = with_screen(job, file, Asked(ends, "constraint", False), groove)
     if job.mask is design.mask or "mask" not in job.model_fields_set:
         return design, job
     changed = design.model_copy(update={"mask": job.mask, "process": job.process})

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ class CellFilmMap:
         the map of the film that lies across
     """
 
+    is_grooves: ClassVar[bool] = False
     wanted: NDArray[np.float64]
     frame: CellFrame
     crossed: "CellFilmMap | None" = None

@@ -12,6 +12,7 @@ from mpfcad.film import FieldFilm, Groove, PrismFilm
 from mpfcad.job import Job
 from mpfcad.pipeline.plan.field import cut_window, field_section
 from mpfcad.pipeline.plan.made import Drawn, draw_piece
+from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.size import groove_count, refuse_mesh
 
 
@@ -34,6 +35,10 @@ class PanelMap(Protocol):
         """Every curvature [1/mm] that a screen has to print, one axis."""
 
     @property
+    def is_grooves(self) -> bool:
+        """Whether that is one a groove, counted from 0."""
+
+    @property
     def crossed(self) -> "PanelMap | None":
         """The map of a second film that lies across, if there is one."""
 
@@ -52,6 +57,7 @@ class GrooveMap:
     """A curvature a groove, (n,) float64 [1/mm]."""
 
     curvature: NDArray[np.float64]
+    is_grooves: ClassVar[bool] = True
     crossed: ClassVar[None] = None
 
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
@@ -74,6 +80,7 @@ class FieldMap:
     """A curvature that varies along the grooves too."""
 
     film: FieldFilm
+    is_grooves: ClassVar[bool] = False
     crossed: ClassVar[None] = None
 
     @property
@@ -91,6 +98,11 @@ class FieldMap:
         panel = field_section(self.film, window.origin[1], job.film.base)
         piece = panel.cut(first, window.groove_count, window.size[1])
         return Laid(panel, piece, window, first, self.film, None)
+
+
+def asked_of(panel_map: PanelMap) -> Asked:
+    """Return what a screen has to print of a map."""
+    return Asked(panel_map.curvature, is_grooves=panel_map.is_grooves)
 
 
 def as_written(curvature: NDArray[np.float64], groove: Groove) -> NDArray[np.float64]:

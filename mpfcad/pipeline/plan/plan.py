@@ -27,7 +27,7 @@ from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, r
 from mpfcad.pipeline.plan.groove_map import read_map
 from mpfcad.pipeline.plan.made import Drawn, read_measured
 from mpfcad.pipeline.plan.named_file import check_job_files
-from mpfcad.pipeline.plan.panel_map import FieldMap, GrooveMap, PanelMap, as_written
+from mpfcad.pipeline.plan.panel_map import FieldMap, GrooveMap, PanelMap, as_written, asked_of
 from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.printed.propose import with_screen
 from mpfcad.pipeline.plan.printed.screen import with_own_catalogue
@@ -196,7 +196,7 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
             stack.origin[0],
         )
         panel_map = GrooveMap(as_written(curvature, groove))
-    job, reason = with_screen(job, job_file, panel_map.curvature, groove)
+    job, reason = with_screen(job, job_file, asked_of(panel_map), groove)
     process = read_job_process(job, calibration, groove, str(job_file))
     process = with_reason(process, reason)
     text = calibration.read_text("utf-8") if calibration else None

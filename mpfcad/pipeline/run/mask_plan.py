@@ -14,7 +14,7 @@ from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
-from mpfcad.pipeline.plan.panel_map import FieldMap
+from mpfcad.pipeline.plan.panel_map import FieldMap, asked_of
 from mpfcad.pipeline.plan.plan import (
     Plan,
     describe_job,
@@ -22,11 +22,13 @@ from mpfcad.pipeline.plan.plan import (
     read_plan,
     stored_job,
 )
+from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.printed.order import ORDER, job_order, named, phototool, write_job_order
 from mpfcad.pipeline.plan.printed.printing import job_print_limits, plan_printing
 from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
-from mpfcad.pipeline.plan.printed.propose import Proposal, propose, with_screen
+from mpfcad.pipeline.plan.printed.propose import propose, with_screen
 from mpfcad.pipeline.plan.printed.screen import moire_setting, with_own_catalogue
+from mpfcad.pipeline.plan.printed.trial import Proposal
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
 from mpfcad.record import in_order
@@ -193,13 +195,14 @@ def read_proposals(job: Job, job_file: Path) -> list[Proposal]:
     thesis = bare.process.model_copy(update={"model": None, "solids_fraction": 1.0})
     bare = bare.model_copy(update={"process": thesis})
     if has_field(job, job_file) and job.map.extent != "cell":
-        curvature = _field_map(bare, job_file).curvature
+        asked = asked_of(_field_map(bare, job_file))
     else:
-        curvature = read_plan(bare, job_file).curvature
+        plan = read_plan(bare, job_file)
+        asked = Asked(plan.curvature, is_grooves=plan.field_film is None)
     if job.process.model == "thesis":
         process = job.process.model_copy(update={"model": "prior"})
         job = job.model_copy(update={"process": process})
-    return propose(job, job_file, curvature, job.film.groove)
+    return propose(job, job_file, asked, job.film.groove)
 
 
 def _field_map(job: Job, job_file: Path) -> FieldMap:
@@ -217,7 +220,7 @@ def _read_field(job: Job, job_file: Path) -> MaskPlan:
     film = panel_map.film
     file = job.process.calibration
     calibration = None if file is None else job_file.parent / file
-    job, reason = with_screen(job, job_file, panel_map.curvature, groove)
+    job, reason = with_screen(job, job_file, asked_of(panel_map), groove)
     process = with_reason(read_job_process(job, calibration, groove, str(job_file)), reason)
     text = None if calibration is None else calibration.read_text("utf-8")
     stack = read_job_stack(job, job_file)
