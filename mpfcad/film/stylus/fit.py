@@ -20,19 +20,21 @@ from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.interval import (
     HIDDEN_WORDS,
     Interval,
+    Scaled,
     curvature_interval,
     fill_interval,
     hidden_slope,
     joined,
+    on_stated_scale,
+    slope_hidden,
 )
-from mpfcad.film.stylus.model import PITCH, SLOPE, Fitted, TraceModel, fit_model
+from mpfcad.film.stylus.misfit import check_shape
+from mpfcad.film.stylus.model import PITCH, Fitted, TraceModel, fit_model
 from mpfcad.film.stylus.spread import Spread, spread_of
 from mpfcad.film.stylus.tip import USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
 
-#: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
-UNEXPLAINED = 0.5
 #: Departures of pitch and slope, as shares: named from here, and refused from there.
 NAMED, REFUSED = 0.01, 0.08
 #: A tip whose fit leaves this much more variance than the best one did not trace the film.
@@ -110,23 +112,32 @@ def fit_stylus_trace(
     InputError
         when the trace does not show grooves of this pitch and depth.
     """
+    if not np.all(np.isfinite(trace.height)):
+        raise InputError(f"{trace.name}: z_um: nan or inf among the heights: expected numbers")
     widths = prism_widths or min(max(trace.widths(groove.pitch), 1), MOST_WIDTHS)
     used = trace.middle(widths * groove.pitch)
     middle = float(np.mean(used.position))
 
-    def fitted(tip: StylusTip | None) -> Fitted:
-        model = TraceModel.of(used.position - middle, used.height, groove, profile, tip, widths)
-        return fit_model(model)
+    def fitted(tip: StylusTip | None, x_part: float = 1.0, z_part: float = 1.0) -> Fitted:
+        x, z = (used.position - middle) / x_part, used.height / z_part
+        return fit_model(TraceModel.of(x, z, groove, profile, tip, widths))
 
     fits, notes, cones = _fits_of_tips(trace, fitted)
     best = fits[0]
-    _check_shown(trace, best, groove)
-    spreads = [spread_of(fit) for fit in fits]
-    known = list(zip(fits, spreads, strict=True))
+    said = check_shape(trace, best, groove)
+    known = [(fit, spread_of(fit)) for fit in fits]
+    scaled = [on_stated_scale(*part, groove, fitted) for part in known]
     hidden = [hidden_slope(*part, cones, told=not notes) for part in known]
-    curvature = joined([curvature_interval(*part, groove, correct=correct) for part in known])
-    fill = joined([fill_interval(*part, share) for part, share in zip(known, hidden, strict=True)])
-    notes += _scale_notes(trace, best, spreads[0], groove, correct)
+    curvature = joined([
+        curvature_interval(*part, other, groove, correct=correct)
+        for part, other in zip(known, scaled, strict=True)
+    ])  # fmt: skip
+    right = [(one.fit, one.spread) for one in scaled]
+    fill = joined([
+        fill_interval(*part, share)
+        for part, share in zip([*right, *known], [*hidden, *hidden], strict=True)
+    ])  # fmt: skip
+    notes += said + _scale_notes(trace, best, known[0][1], scaled[0], groove, correct)
     notes += [HIDDEN_WORDS] if any(hidden) else []
     model, value = best.model, best.value
     tilt, parabola_rms = _levels(best)
@@ -204,42 +215,54 @@ def _tip_words(tips: Sequence[StylusTip | None]) -> str:
     return f"{' and '.join(names)} fit: the interval holds all of them"
 
 
-def _check_shown(trace: StylusTrace, best: Fitted, groove: Groove) -> None:
-    """Refuse a trace that does not show such grooves."""
-    relief = float(np.std(best.model.levelled(best.value)))
-    if not best.rms <= UNEXPLAINED * relief:
-        raise InputError(
-            f"{trace.name}: z_um: residual {best.rms / um:.3g} µm rms of {relief / um:.3g} µm of "
-            f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
-            f"depth {groove.depth / um:g} µm"
-        )
-
-
 def _scale_notes(
-    trace: StylusTrace, fit: Fitted, spread: Spread, groove: Groove, correct: bool
+    trace: StylusTrace,
+    fit: Fitted,
+    spread: Spread,
+    scaled: Scaled,
+    groove: Groove,
+    correct: bool,
 ) -> list[str]:
     """Return what pitch and walls' slope say of the scale; refuse what no film is off by."""
+    pitch, slope = fit.value[PITCH] / groove.pitch - 1, spread.likely_slope / groove.wall_slope - 1
+    edges = [edge / groove.wall_slope - 1 for edge in spread.slope]
+    wider = [slope + 1.5 * (edge - slope) for edge in edges]
+    hidden = slope_hidden(spread, groove)
     found = (
-        ("pitch", fit.value[PITCH] / groove.pitch - 1, spread.log_pitch,
+        ("pitch", pitch, abs(pitch) > 1.5 * spread.log_pitch, abs(pitch) - spread.log_pitch,
          f"positions read {{:+.1%}} against the pitch of {groove.pitch / um:g} µm"),
-        ("depth", fit.value[SLOPE] / groove.wall_slope - 1, spread.log_slope,
+        ("depth", slope, (wider[0] > 0 or wider[1] < 0) and not hidden, max(edges[0], -edges[1]),
          f"the walls are {{:+.1%}} off the slope of depth {groove.depth / um:g} µm"),
     )  # fmt: skip
     notes = []
-    for name, off, error, text in found:
-        if abs(off) <= max(NAMED, 1.5 * error):
-            continue
+    for name, off, told, least, text in found:
         words = text.format(off)
-        if abs(off) > REFUSED and not correct:
+        if least > REFUSED and not correct:
             raise InputError(
                 f"{trace.name}: {words}: expected within {REFUSED:.0%}: --{name}-um of the film, "
                 "or --correct where the instrument's scale is off"
             )
+        if abs(off) <= NAMED or not told:
+            continue
+        if not correct:
+            notes.append(
+                f"{words}: the film's {name} or the instrument's scale: the interval holds both "
+                "(--correct takes it as the scale)"
+            )
+        elif name == "pitch":
+            notes.append(f"{words}: put right as the instrument's scale")
+        else:
+            notes.append(
+                f"{words}: heights times {1 / scaled.heights[1]:.3f} put right as the instrument's "
+                "scale"
+            )
+    if hidden:
+        low, _, high = (part - 1 for part in scaled.heights)
+        low, high = (low, high) if correct else (min(low, edges[0]), max(high, edges[1]))
         notes.append(
-            f"{words}: put right as the instrument's scale" if correct else
-            f"{words}: the film's {name} or the instrument's scale: the interval holds both "
-            "(--correct takes it as the scale)"
-        )  # fmt: skip
+            f"resin hides the walls: depth {groove.depth / um:g} µm and heights may be "
+            f"{low:+.1%} … {high:+.1%} off each other: the interval holds that"
+        )
     return notes
 
 

@@ -26,7 +26,7 @@ OWN_FILL = 4
 #: Largest departures of pitch and slope, as shares, and largest rounding [mm].
 MOST_OFF, MOST_ROUND = 0.12, 6.0 * um
 #: The least noise assumed: that of heights printed to a nanometre or two.
-LEAST_NOISE = 0.02 * nm
+LEAST_NOISE = 0.5 * nm
 #: Curvatures tried before the fit, and the largest u of a profile that may dip below the walls.
 _GRID, _STEEPEST = 33, 4.0
 #: Steps of a fit at most.
@@ -47,6 +47,8 @@ class TraceModel:
         (n, k) float64, orthonormal columns of offset, tilt and waviness
     grooves
         how many have a u of their own
+    held_slope
+        the walls' slope, where it is not sought
     """
 
     x: NDArray[np.float64]
@@ -56,6 +58,7 @@ class TraceModel:
     tip: StylusTip | None
     base: NDArray[np.float64]
     grooves: int
+    held_slope: float | None = None
 
     @classmethod
     def of(
@@ -131,6 +134,7 @@ class TraceModel:
             back[part] = np.maximum(value[part] - step, low[part])
             gap = ahead[part] - back[part]
             change = self.surface(ahead) - self.surface(back)
+            gap = np.maximum(gap, 1e-300)  # a value that is held does not change
             columns.append(change / (gap[0] if self.grooves == 1 or part.start < FILL
                                      else gap[self.number(value)]))  # fmt: skip
         if self.grooves == 1:
@@ -144,6 +148,8 @@ class TraceModel:
         pitch, slope = self.groove.pitch, self.groove.wall_slope
         low = [-np.inf, pitch * (1 - MOST_OFF), slope * (1 - MOST_OFF), 0.0]
         high = [np.inf, pitch * (1 + MOST_OFF), slope * (1 + MOST_OFF), MOST_ROUND]
+        if self.held_slope is not None:
+            low[SLOPE] = high[SLOPE] = self.held_slope
         return np.array(low + [0.0] * self.grooves), np.array(high + [self.top] * self.grooves)
 
     def prior(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -204,7 +210,7 @@ def fit_model(whole: TraceModel) -> Fitted:
     model, value = whole, _start(whole)
     noise = 50 * nm
     for robust in (True, False, False):
-        value = _solve(model, value, noise, robust=robust)
+        value = solve(model, value, noise, robust=robust)
         residual = whole.residual(value)
         spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
         off = np.abs(residual) > max(_SPIKE * spread, _SPIKE_LEAST)
@@ -215,13 +221,20 @@ def fit_model(whole: TraceModel) -> Fitted:
     return Fitted(model, value, noise, max(misfit, LEAST_NOISE))
 
 
-def _solve(
-    model: TraceModel, value: NDArray[np.float64], noise: float, *, robust: bool
+def solve(
+    model: TraceModel,
+    value: NDArray[np.float64],
+    noise: float,
+    *,
+    robust: bool = False,
+    close: float = 1e-9,
 ) -> NDArray[np.float64]:
-    """Return the least-squares values within their bounds.
+    """Return the least-squares values within their bounds, for a noise [mm].
 
     Levenberg and Marquardt's method over the values that are not held at a bound; steps are clipped
-    to the bounds. `robust`: heights count as √(1 + r²) from three deviations on.
+    to the bounds. A step is one of slope and u·slope: a covered groove shows that product alone, so
+    that u and slope by themselves would be stiff. `robust`: heights count as √(1 + r²) from three
+    deviations on. `close`: the share of the sum that a last step gains.
     """
     low, high = model.bounds()
     value, damping = np.clip(value, low, high), 1e-3
@@ -231,6 +244,8 @@ def _solve(
         slope = slope - model.base @ (model.base.T @ slope)
         weight = _weight(model.residual(value) / noise, robust)
         rows = np.concatenate([slope * (-weight / noise)[:, None], model.prior_jacobian()])
+        rows[:, FILL:] /= value[SLOPE]
+        rows[:, SLOPE] -= rows[:, FILL:] @ value[FILL:]
         gradient, normal = rows.T @ residual, rows.T @ rows
         held = ((value <= low) & (gradient > 0)) | ((value >= high) & (gradient < 0))
         free = np.flatnonzero(~held)
@@ -240,13 +255,16 @@ def _solve(
         while damping < 1e8 and not moved:
             step = np.zeros_like(value)
             step[free] = -np.linalg.solve(inner + damping * np.diag(size), gradient[free])
-            tried = np.clip(value + step, low, high)
+            moved_to = value + step
+            steepness = np.clip(moved_to[SLOPE], low[SLOPE], high[SLOPE])
+            moved_to[FILL:] = (value[FILL:] * value[SLOPE] + step[FILL:]) / steepness
+            tried = np.clip(moved_to, low, high)
             found, lower = _weighted(model, tried, noise, robust)
             moved = lower < cost
             damping *= 0.2 if moved else 5.0
         if not moved:
             break
-        done = cost - lower < 1e-9 * lower
+        done = cost - lower < close * lower
         value, residual, cost = tried, found, lower
         if done:
             break

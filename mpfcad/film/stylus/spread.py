@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.stylus.model import FILL, PITCH, ROUNDING, SLOPE, Fitted
+from mpfcad.film.stylus.slope import RISE, Held, held_fits
 
 #: Grooves from which their own scatter gives the interval.
 FEWEST_GROOVES = 4
 _Z = 1.959964
+#: The larger of two half-widths is too wide: this share of it holds 95 % of simulated truths.
+SHARE = 0.8
+#: Walls are in sight where ln(slope) is known to this, and the mean u is above that.
+_IN_SIGHT, _COVERED = 0.01, 1.15
 #: A prior standard deviation of u that matters only where nothing depends on u.
 _ANY_FILL = 1.0
 #: What is unseen counts from so many linear half-widths on.
@@ -19,73 +24,132 @@ _SHIFTS = 60
 
 
 @dataclass(frozen=True)
+class Bounds:
+    """A value and its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class Spread:
-    """95 % half-widths of a fit.
+    """What a fit leaves open, 95 %.
 
     Attributes
     ----------
-    fill
-        of the mean u
-    log_curvature, log_pitch, log_slope
-        of the logarithms of C, pitch and slope
-    unseen
-        by how much the mean u can fall, and rise, before the trace changes by more than its noise;
-        0 unless that is much more than `fill`
+    fill, curvature
+        the mean u, and C [1/mm]
+    slope, likely_slope
+        the least and the largest slope of the walls, and the likeliest
+    log_pitch
+        half-width of ln(pitch)
     """
 
-    fill: float
-    log_curvature: float
+    fill: Bounds
+    curvature: Bounds
+    slope: tuple[float, float]
+    likely_slope: float
     log_pitch: float
-    log_slope: float
-    unseen: tuple[float, float]
 
 
-def spread_of(fit: Fitted) -> Spread:
-    """Return the half-widths of a fit.
+def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
+    """Return what a fit leaves open. scaled: the heights' scale may be off, the walls are not.
 
     Noise: the larger of two. The scatter of the grooves' own u, by Student's t, holds noise of any
     correlation, waviness and grooves that differ; the residual's variance times the sum of its
-    autocorrelation, propagated, holds what all grooves share. What the priors of pitch and slope
-    leave open is added. A tip that does not reach the resin leaves it `unseen`.
+    autocorrelation, propagated, holds what all grooves share. Of the two `SHARE` is taken. What the
+    priors of pitch and slope leave open is added. Where the walls are hardly in sight, fits at all
+    slopes that the trace allows take the place of derivatives (`held_fits`). A tip that does not
+    reach the resin leaves it unseen.
+    """
+    residual = fit.model.residual(fit.value)
+    correlation = correlation_sum(residual)
+    width = len(fit.value) + fit.model.base.shape[1]
+    left = max(len(residual) - width, 1)
+    noise = max(float(np.sqrt(np.sum(residual**2) / left)), fit.noise) * np.sqrt(correlation)
+    freedom = max(len(residual) / correlation - width, 2.0)
+    half = _half_widths(fit, noise, freedom, held=False)
+    mean, measured = max(float(np.mean(fit.fills)), 1e-6), max(fit.curvature, 1e-9)
+    slope, steep = float(fit.value[SLOPE]), float(half[3])
+    fill = _wide(mean, SHARE * float(half[0]))
+    curvature = _wide(measured, measured * SHARE * float(half[1]))
+    slopes = (slope * float(np.exp(-steep)), slope * float(np.exp(steep)))
+    if steep > _IN_SIGHT or mean < _COVERED:
+        fits = held_fits(fit, noise, scaled=scaled)
+        held = SHARE * _half_widths(fit, noise, freedom, held=True)
+        fill = _over(fits, [f.fill for f in fits], float(held[0]))
+        curvature = _over(fits, [f.curvature for f in fits], measured * float(held[1]))
+        stated = fit.model.groove.wall_slope
+        slopes = (stated * float(np.exp(fits[0].off)), stated * float(np.exp(fits[-1].off)))
+        slope = stated * float(np.exp(min(fits, key=lambda held: held.cost).off))
+    far = [f if f > _FARTHER * float(half[0]) else 0.0 for f in _unseen(fit, noise)]
+    return Spread(
+        Bounds(fill.value, min(fill.low, mean - far[0]), max(fill.high, mean + far[1])),
+        Bounds(
+            curvature.value,
+            min(curvature.low, measured * (1 - far[0] / mean)),
+            max(curvature.high, measured * (1 + far[1] / mean)),
+        ),
+        slopes,
+        slope,
+        float(half[2]),
+    )
+
+
+def _wide(value: float, half: float) -> Bounds:
+    return Bounds(value, value - half, value + half)
+
+
+def _over(fits: list[Held], values: list[float], half: float) -> Bounds:
+    """Return the likeliest value and how far all go, each with its half-width at its slope."""
+    each = [half * max(1 - held.cost / RISE, 0.0) ** 0.5 for held in fits]
+    return Bounds(
+        values[int(np.argmin([held.cost for held in fits]))],
+        min(v - h for v, h in zip(values, each, strict=True)),
+        max(v + h for v, h in zip(values, each, strict=True)),
+    )
+
+
+def _half_widths(fit: Fitted, noise: float, freedom: float, *, held: bool) -> NDArray[np.float64]:
+    """Return half-widths of mean u, ln C, ln pitch and ln slope, (4,), by derivatives.
+
+    held: the slope is known.
     """
     from scipy.special import stdtrit
 
-    model, value = fit.model, fit.value
-    residual = model.residual(value)
-    correlation = correlation_sum(residual)
-    free, design, prior = _design(fit)
-    left = max(len(residual) - design.shape[1], 1)
-    noise = max(float(np.sqrt(np.sum(residual**2) / left)), fit.noise) * np.sqrt(correlation)
+    free, design, prior = _design(fit, held=held)
     normal = design.T @ design
     known = noise**2 * prior.T @ prior
     size = np.sqrt(np.diag(normal + known))
     inverse = np.linalg.pinv((normal + known) / np.outer(size, size), rcond=1e-12, hermitian=True)
     wanted = _wanted(fit, free, design.shape[1]) / size @ inverse / size
-    by_noise = noise**2 * np.einsum("ij,jk,ik->i", wanted, normal, wanted)
-    told = noise**2 * prior[:3].T @ prior[:3]
-    by_prior = noise**2 * np.einsum("ij,jk,ik->i", wanted, told, wanted)
+    # As sums of squares: a difference of rounded products may fall below 0.
+    by_noise = noise**2 * np.sum((wanted @ design.T) ** 2, axis=1)
+    by_prior = noise**4 * np.sum((wanted @ prior[:3].T) ** 2, axis=1)
     count = len(fit.fills)
-    freedom = max(len(residual) / correlation - design.shape[1], 2.0)
-    half = float(stdtrit(freedom, 0.975)) * np.sqrt(by_noise)
+    half: NDArray[np.float64] = float(stdtrit(freedom, 0.975)) * np.sqrt(by_noise)
     if count >= FEWEST_GROOVES:
         scatter = float(np.std(fit.fills, ddof=1) / np.sqrt(count) * stdtrit(count - 1.0, 0.975))
         half[0] = max(half[0], scatter)
         half[1] = max(half[1], scatter / max(float(np.mean(fit.fills)), 1e-6))
-    half = np.sqrt(half**2 + _Z**2 * by_prior)
-    unseen = _unseen(fit, design[:, [i for i, name in enumerate(free) if name < FILL]], noise)
-    fill, log_curvature, log_pitch, log_slope = (float(h) for h in half)
-    down, up = (far if far > _FARTHER * fill else 0.0 for far in unseen)
-    return Spread(fill, log_curvature, log_pitch, log_slope, (down, up))
+    return np.sqrt(half**2 + _Z**2 * by_prior)
 
 
-def _design(fit: Fitted) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the free values, their columns and the base's (n, k), and the priors' rows (…, k)."""
+def _design(
+    fit: Fitted, *, held: bool
+) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the free values, their columns and the base's (n, k), and the priors' rows (…, k).
+
+    held: without the slope.
+    """
     model = fit.model
     columns = model.jacobian(fit.value)
     low, high = model.bounds()
     # A rounding at its bound moves to one side only: it is taken as known.
     inside = low[ROUNDING] + 1e-6 < fit.value[ROUNDING] < high[ROUNDING]
-    free = [i for i in range(columns.shape[1]) if i != ROUNDING or inside]
+    free = [i for i in range(columns.shape[1]) if (i != ROUNDING or inside)]
+    free = [i for i in free if not (held and i == SLOPE)]
     design = np.column_stack([columns[:, free], model.base])
     prior = np.zeros((3 + model.grooves, design.shape[1]))
     prior[:3, : len(free)] = model.prior_jacobian()[:, free]
@@ -101,21 +165,23 @@ def _wanted(fit: Fitted, free: list[int], width: int) -> NDArray[np.float64]:
     for k in np.flatnonzero(fit.whole):
         rows[0, free.index(FILL + int(k))] = 1 / len(fit.fills)
     rows[1] = rows[0] / mean
-    rows[1, free.index(SLOPE)] = 1 / value[SLOPE]
+    if SLOPE in free:
+        rows[1, free.index(SLOPE)] = rows[3, free.index(SLOPE)] = 1 / value[SLOPE]
     rows[1, free.index(PITCH)] = -1 / value[PITCH]
     rows[2, free.index(PITCH)] = 1 / value[PITCH]
-    rows[3, free.index(SLOPE)] = 1 / value[SLOPE]
     return rows
 
 
-def _unseen(fit: Fitted, shape: NDArray[np.float64], noise: float) -> tuple[float, float]:
+def _unseen(fit: Fitted, noise: float) -> tuple[float, float]:
     """Return how far all u can be moved together, down and up, and not be told from the fit.
 
-    Told is what changes the trace, less what pitch, slope, centre, rounding and base make up for,
-    by more than 95 % of noise does: a sum of squares above 3.84 of its variance.
+    Told is what changes the trace, less what pitch, centre, rounding and base make up for, by more
+    than 95 % of noise does: a sum of squares above 3.84 of its variance.
     """
     model, value = fit.model, fit.value
-    other = np.linalg.qr(np.column_stack([shape, model.base]))[0]
+    free, design, _ = _design(fit, held=True)
+    other = design[:, [i for i in range(design.shape[1]) if i >= len(free) or free[i] < FILL]]
+    other = np.linalg.qr(other)[0]
     there, mean = model.surface(value), float(np.mean(fit.fills))
     found = []
     for sign in (-1.0, 1.0):
@@ -126,7 +192,7 @@ def _unseen(fit: Fitted, shape: NDArray[np.float64], noise: float) -> tuple[floa
             moved[FILL:] = np.clip(value[FILL:] + sign * step, 0.0, model.top)
             change = model.surface(moved) - there
             change = change - other @ (other.T @ change)
-            if float(np.sum(change**2)) > _Z**2 * noise**2:
+            if float(np.sum(change**2)) > RISE * noise**2:
                 break
             last = float(abs(np.mean(moved[FILL:][fit.whole]) - mean))
         found.append(last)
