@@ -11,6 +11,8 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from mpfcad.cli.narrow import Context
+
 #: Package of `mpfcad.cli` -> its subcommands, each the function `command` of the module so named.
 PLACES = {
     "make": ("run", "mask", "cad", "mould", "design", "sweep", "init"),
@@ -103,6 +105,8 @@ class Commands(MutableMapping[str, Any]):
 class GroupedHelp(TyperGroup):
     """The list of subcommands, in the groups above."""
 
+    context_class = Context
+
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.commands = Commands()
@@ -121,6 +125,8 @@ class GroupedHelp(TyperGroup):
 
 class ExampleHelp(TyperCommand):
     """A subcommand whose help ends with an example on a line of its own."""
+
+    context_class = Context
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """Write the example."""

@@ -21,11 +21,12 @@ from mpfcad.job.model import (
     TraceTable,
 )
 from mpfcad.job.reader import build_job, read_job
-from mpfcad.job.template import TEMPLATE
+from mpfcad.job.template import TEMPLATE, TEMPLATE_NAME
 
 __all__ = [
     "EFFORTS",
     "TEMPLATE",
+    "TEMPLATE_NAME",
     "BaselineTable",
     "CadTable",
     "ConfidenceTable",

@@ -1,5 +1,8 @@
 """The commented job that `mpfcad init` writes; it is itself a valid job."""
 
+#: The name in it, which the file's own takes the place of.
+TEMPLATE_NAME = "my-film"
+
 TEMPLATE = """\
 # A job of mpfcad: mpfcad run THIS.toml
 # Only name and [map] must be given; everything else shows its default.

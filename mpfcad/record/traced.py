@@ -46,3 +46,16 @@ def traced_films(record: dict[str, Any]) -> list[TracedFilm]:
 def baseline_words(record: dict[str, Any]) -> str:
     """Return what the film's light is compared with; of an older export the conventional stack."""
     return str(record[BASELINE].get("words", "the conventional stack"))
+
+
+def comparison_words(record: dict[str, Any]) -> str:
+    """Return what the film is compared with and why it is that, as a sentence."""
+    words = baseline_words(record)
+    if BASELINE not in record or "words" not in record[BASELINE]:
+        return f"The luminance is compared with {words}."
+    if record[BASELINE]["is_own"]:
+        return f"The film is compared with {words}; the job names no other [baseline]."
+    return (
+        f"The luminance is compared with {words}, the job's [baseline]; the contrast also with "
+        "a plain BEF in this backlight."
+    )

@@ -143,6 +143,30 @@ def test_init_writes_a_job_once(tmp_path):
     assert (tmp_path / "my.toml").read_text() == written
 
 
+def test_a_job_that_init_writes_has_its_file_s_name(tmp_path):
+    result = mpfcad("init", "wave-2.toml", cwd=tmp_path)
+    assert 'name = "wave-2" ' in (tmp_path / "wave-2.toml").read_text("utf-8")
+    assert "exports/wave-2" in result.stdout
+    fails(mpfcad("init", "our film.toml", cwd=tmp_path), 2, "our film.toml: name: our film")
+    assert [path.name for path in tmp_path.iterdir()] == ["wave-2.toml"]
+
+
+@pytest.mark.parametrize("columns", [20, 40, 50, 80])
+def test_help_keeps_to_the_terminal(columns, monkeypatch):
+    """Only a word alone may be wider: it is there to be copied."""
+    import typer
+
+    from mpfcad.cli.app import app
+
+    monkeypatch.setenv("COLUMNS", str(columns))
+    group = typer.main.get_command(app)
+    for name in ("", *group.commands):
+        command = group.commands[name] if name else group
+        text = command.get_help(command.context_class(command, info_name=f"mpfcad {name}"))
+        wide = [line for line in text.splitlines() if len(line) > columns and " " in line.strip()]
+        assert wide == []
+
+
 @pytest.mark.parametrize(
     ("map_table", "words"),
     [

@@ -1,5 +1,6 @@
 """The page that decides: what is said beside the verdict."""
 
+import html
 import re
 
 import pytest
@@ -43,7 +44,7 @@ def record(low, high, outcome, **more):
 def shown(found):
     page = render("report/decision.html.j2", record=found, decision=decision_values(found),
                   film={"plot": None})  # fmt: skip
-    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", page)))
 
 
 def test_what_is_assumed_stands_beside_the_verdict():
@@ -53,6 +54,25 @@ def test_what_is_assumed_stands_beside_the_verdict():
         "1 of 2 values are assumed, not measured: a_mm.", "mask.pattern", "--confidence",
     ):  # fmt: skip
         assert words in text
+
+
+@pytest.mark.parametrize(
+    ("stack", "words", "rows"),
+    [
+        (None, "compared with a plain BEF in this backlight; the job names no other", 2),
+        ("slim", "a plain BEF in slim, the job's [baseline]; the contrast also with a plain", 3),
+    ],
+)
+def test_the_page_says_what_the_film_is_compared_with(stack, words, rows):
+    base = trace(0.012, 0.010, 0.014) | {
+        "is_own": stack is None, "stack": stack or "own",
+        "words": f"a plain BEF in {stack or 'this backlight'}",
+    }  # fmt: skip
+    found = record(0.001, 0.008, "PASS", baseline=base)
+    text = shown(found)
+    assert words in text
+    assert f"of the luminance of {base['words']}" in text
+    assert len(decision_values(found)["scale"]["rows"]) == rows
 
 
 def test_confidence_says_how_sure_and_what_it_hangs_on():
