@@ -45,7 +45,7 @@ def test_job_is_frozen():
         ),
         ({"film": {"pitch_um": float("nan")}}, "x.toml: film.pitch_um: nan: expected "),
         ({"film": {"pitch_um": True}}, "x.toml: film.pitch_um: True: expected a valid number"),
-        ({"film": {"pitch_um": "50"}}, "x.toml: film.pitch_um: 50: expected a valid number"),
+        ({"film": {"pitch_um": "50"}}, "x.toml: film.pitch_um: '50': expected a valid number"),
         ({"film": {"pitch": 0.05}}, "x.toml: film.pitch: 0.05: unknown key; known: profile, "),
         ({"colour": 1}, "x.toml: colour: 1: unknown key; known: schema, name, seed, map, "),
         ({"film": {"profile": "flat"}}, "x.toml: film.profile: flat: expected 'filled' or 'ideal'"),

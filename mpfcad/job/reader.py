@@ -11,6 +11,8 @@ from mpfcad.errors import InputError
 from mpfcad.job.model import Job
 
 Model = TypeVar("Model", bound=BaseModel)
+#: What a job's name has to begin with.
+_FIRST = ", the first a letter or digit"
 
 
 def build_job(document: dict[str, Any], where: str) -> Job:
@@ -72,15 +74,25 @@ def _first_line(error: ValidationError, root: type[BaseModel]) -> str:
         known = _known_keys(root, first["loc"][:-1])
         line = f"{field}: {_shown(first['input'])}: unknown key; {known}"
     else:
-        line = f"{field}: {_shown(first['input'])}: {_expected(dict(first))}"
+        shown = first["input"]
+        quoted = isinstance(shown, str) and first["type"].endswith(("_type", "_parsing"))
+        line = f"{field}: {_shown(repr(shown) if quoted else shown)}: {_expected(dict(first))}"
     more = len(errors) - 1
     return line + (f" (and {more} more error{'s' if more > 1 else ''})" if more else "")
 
 
 def _expected(error: dict[str, Any]) -> str:
     """Return what is expected of a field, from pydantic's message."""
-    if error["type"] == "string_pattern_mismatch":
-        return "expected 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"
+    kind, details = error["type"], error.get("ctx", {})
+    if kind == "string_pattern_mismatch":
+        length, first = (16, "") if "{1,16}" in details["pattern"] else (64, _FIRST)
+        return f"expected 1 to {length} letters, digits, '.', '_' or '-'{first}"
+    if kind in ("model_type", "dict_type"):
+        return "expected a table"
+    if kind in ("too_short", "too_long"):
+        count = details.get("min_length", details.get("max_length"))
+        most = "at least" if kind == "too_short" else "at most"
+        return f"expected {most} {count} item{'s' if count != 1 else ''}"
     message = error["msg"].removeprefix("Value error, ")
     return message.replace("Input should be", "expected", 1)
 

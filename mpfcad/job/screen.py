@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from mpfcad.job.table import Positive, Table
 
@@ -84,18 +84,20 @@ class MeshTable(Table):
     def _one_source(self) -> "MeshTable":
         count = (self.threads_per_cm, self.thread_um)
         if (self.name is None) == (None in count) or (self.name and any(count)):
-            raise ValueError("give either name or threads_per_cm and thread_um")
+            raise ValueError("expected either name, or threads_per_cm and thread_um")
         if self.name is None and self.catalogue is not None:
             raise ValueError("catalogue: expected with a name that is in it")
         own = [name for name in self.FIGURES if getattr(self, name) is not None]
         if self.name is not None and own:
-            raise ValueError(f"a mesh by name has its own {', '.join(own)}: leave them out")
+            raise ValueError(
+                f"{', '.join(own)}: expected to be left out: a mesh by name has its own"
+            )
         return self
 
     @property
     def is_auto(self) -> bool:
         """Whether the program chooses the mesh."""
-        return self.name == "auto"
+        return self.name is not None and self.name.strip().casefold() == "auto"
 
     @property
     def opening(self) -> float | None:
@@ -131,7 +133,7 @@ class MaskTable(Table):
     """`[mask]`: pattern and rules of the screen."""
 
     pattern: Literal["slot", "dot", "staggered", "angled", "blue-noise", "error-diffused"] = "slot"
-    period_um: Annotated[float, Field(ge=1, le=10_000)] = 400.0
+    period_um: Annotated[float, Field(ge=1, le=10_000, allow_inf_nan=False)] = 400.0
     min_aperture_um: Positive = 15.0
     min_web_um: Positive = 15.0
     angle_deg: Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)] = 22.5
@@ -149,7 +151,7 @@ class MaskTable(Table):
     revision: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{1,16}$")] = "A"
     squeegee: Literal["along", "across"] = "along"
     frame_mm: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
-    tif_dpi: Annotated[float, Field(ge=2540, le=25_400)] = 2540.0
+    tif_dpi: Annotated[float, Field(ge=2540, le=25_400, allow_inf_nan=False)] = 2540.0
 
     @model_validator(mode="before")
     @classmethod
@@ -160,6 +162,29 @@ class MaskTable(Table):
             period = DEFAULT_PERIOD.get(str(table.get("pattern")))
             return table if period is None else {**table, "period_um": period}
         return table
+
+    @field_validator("mesh", mode="before")
+    @classmethod
+    def _mesh(cls, mesh: Any) -> Any:
+        if mesh is not None and not isinstance(mesh, dict | MeshTable):
+            raise ValueError('expected a name such as "120-34", "auto", or a table')
+        return mesh
+
+    @field_validator("formats", "furniture")
+    @classmethod
+    def _once(cls, names: list[str]) -> list[str]:
+        twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+        if twice is not None:
+            raise ValueError(f"expected {twice!r} once")
+        return names
+
+    @model_validator(mode="after")
+    def _dots(self) -> "MaskTable":
+        if self.dot_um is not None and self.pattern not in ("blue-noise", "error-diffused"):
+            raise ValueError(
+                f"dot_um = {self.dot_um:g}: expected with pattern 'blue-noise' or 'error-diffused'"
+            )
+        return self
 
     @model_validator(mode="after")
     def _room(self) -> "MaskTable":

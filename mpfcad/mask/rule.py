@@ -142,10 +142,12 @@ def check_rules(
     asked = rules.describe(period)
     if low > high:
         needed = (rules.aperture_limit + rules.web_limit) / um
-        room = "mask.period_um" if rules.pattern == "slot" else "pitch and mask.period_um"
+        room, other = "mask.period_um", ""
+        if rules.pattern != "slot":
+            room, other = f"{room} and a pitch", ", or mask.pattern = 'slot'"
         raise InputError(
             f"{where}: mask.period_um: {period / um:.4g}: no aperture fits ({asked}): expected "
-            f"{room} of {needed:.4g} or more"
+            f"{room} of {needed:.4g} or more{other}"
         )
     size = along * GRID
     largest = (period if rules.pattern == "slot" else min(pitch, period)) - rules.web_limit

@@ -1,9 +1,16 @@
 """A file that appears whole or not at all."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+#: Somebody who is told the share, 0…1, of a long file that is done.
+Told = Callable[[float], None]
+
+
+def untold(share: float) -> None:
+    """Tell nobody."""
 
 
 @contextmanager

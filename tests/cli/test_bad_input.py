@@ -56,11 +56,31 @@ def refused(capsys, arguments, *words):
         ("period-tiny.toml", ["mask.period_um: 0.001", "greater than or equal to 1"]),
         ("pitch-tiny.toml", ["film.pitch_um: 1e-09", "greater than or equal to 1"]),
         ("procdevzero.toml", ["/dev/zero", "device or pipe", "expected a process calibration"]),
-        ("tif25400.toml", ["mask.tif_dpi: 25400", "gigapixels", "expected at most"]),
     ],
 )
 def test_a_job_of_the_corpus(folder, capsys, file, words):
     refused(capsys, ["mask", file], *words)
+    assert not (folder / "exports").exists()
+
+
+@pytest.mark.parametrize(
+    ("free", "memory", "words"),
+    [
+        (0.5, 8.0, ["1.2 GB of disk", "and 0.5 GB are free: expected at most 1"]),
+        (50.0, 0.45, ["0.51 GB of memory", "0.45 and 50 GB are free: expected at most "]),
+    ],
+)
+def test_a_picture_that_disk_or_memory_does_not_hold(
+    folder, capsys, monkeypatch, free, memory, words
+):
+    from collections import namedtuple
+
+    from mpfcad.pipeline.plan.printed import picture
+
+    usage = namedtuple("usage", "free")
+    monkeypatch.setattr(picture.shutil, "disk_usage", lambda _: usage(free * 1e9))
+    monkeypatch.setattr(picture, "available_memory", lambda: memory)
+    refused(capsys, ["mask", "tif25400.toml"], "mask.tif_dpi: 25400", "gigapixels need", *words)
     assert not (folder / "exports").exists()
 
 

@@ -78,7 +78,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
             '[mask.mesh]\nname = "1-2"',
             ["mask.mesh: '1-2': not in the catalogue: expected a name such as 120-34"],
         ),
-        ('[mask.mesh]\nname = "90-48"\nthread_um = 4.0', ["mask.mesh", "give either name or"]),
+        ('[mask.mesh]\nname = "90-48"\nthread_um = 4.0', ["mask.mesh", "expected either name, or"]),
         ('[mask.mesh]\nmash = "90-48"', ["mask.mesh.mash", "unknown key; known: name, catalogue"]),
         ('[mask.mesh]\nname = "90-48"', ["grooves 0-679", "no mesh at this period", "--propose"]),
         ('pattern = "stripe"', ["mask.pattern: stripe: expected 'slot', 'dot'"]),

@@ -194,5 +194,5 @@ def test_levelling_is_what_the_groove_s_flow_does():
 
 
 def test_from_45_degrees_on_nothing_levels():
-    with pytest.raises(InputError, match="contact_angle_deg 50: expected below 45"):
+    with pytest.raises(InputError, match="contact_angle_deg: 50: expected below 45"):
         levelling_length(0.12, 0.025, **{**RESIN, "contact_angle": np.radians(50)})

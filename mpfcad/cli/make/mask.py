@@ -87,15 +87,16 @@ def command(
     if propose:
         return _propose(job_file, json)
     planned = _read(job_file, changes)
+    chosen = asked or tuple(planned.job.mask.formats)
+    folder = out or default_out(planned.job).with_name(f"{planned.job.name}-mask")
     if plan:
         from mpfcad.mask.screen.screen import screen_lines
 
+        planned.refuse_formats(chosen, str(job_file), folder)
         print("\n".join(screen_lines(planned.describe())))
         return 0
     if compare is not None:
         return _compare(compare, planned)
-    chosen = asked or tuple(planned.job.mask.formats)
-    folder = out or default_out(planned.job).with_name(f"{planned.job.name}-mask")
     with Terminal() as terminal:
         screen = make_planned_mask(planned, job_file, folder, chosen, terminal)
     print_gates(screen)

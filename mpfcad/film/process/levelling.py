@@ -61,7 +61,7 @@ def levelling_length(
     """
     if contact_angle >= STANDING:
         raise InputError(
-            f"contact_angle_deg {contact_angle / deg:g}: expected below 45: from there on resin "
+            f"contact_angle_deg: {contact_angle / deg:g}: expected below 45: from there on resin "
             f"does not run along a groove of 90° (Concus-Finn), and nothing levels"
         )
     height = fill_fraction**0.5 * depth  # A = fill · depth² in a groove of 90°

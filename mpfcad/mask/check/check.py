@@ -30,6 +30,7 @@ from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.flat import flat_tiles
 from mpfcad.mask.phototool import Phototool, Polarity
 from mpfcad.mask.rule import GRID
+from mpfcad.mask.whole import Told, untold
 from mpfcad.units import mm
 
 #: Side of the squares of the ratio map.
@@ -92,10 +93,13 @@ class MaskCheck:
     windows: WindowCheck | None
 
 
-def check_mask(path: Path, mask: Mask, phototool: Phototool | None = None) -> MaskCheck:
+def check_mask(
+    path: Path, mask: Mask, phototool: Phototool | None = None, told: Told = untold
+) -> MaskCheck:
     """Read a mask file and compare it with what was wanted of `mask`.
 
-    Ratios, features and what is too narrow are measured; a gate judges them.
+    `told` gets the share of a picture that is read, as it grows. Ratios, features and what is too
+    narrow are measured; a gate judges them.
 
     Raises
     ------
@@ -108,7 +112,7 @@ def check_mask(path: Path, mask: Mask, phototool: Phototool | None = None) -> Ma
     if not path.is_file() or suffix not in (*READERS, "tif"):
         raise ExportError(f"{path}: not a readable mask: no such file")
     if suffix == "tif":
-        return _check_pixels(path, mask, phototool)
+        return _check_pixels(path, mask, phototool, told)
     return _check_arrays(path, mask, phototool, READERS[suffix](path))
 
 
@@ -174,11 +178,11 @@ def _check_apertures(path: Path, mask: Mask, phototool: Phototool, found: FoundM
         )
 
 
-def _check_pixels(path: Path, mask: Mask, phototool: Phototool) -> MaskCheck:
+def _check_pixels(path: Path, mask: Mask, phototool: Phototool, told: Told) -> MaskCheck:
     along, across = square_edges(mask.length, SQUARE), square_edges(mask.width, SQUARE)
     if phototool.mirror:
         across = mask.width - across[::-1]
-    found = read_tiff(path, mask.width, mask.length, (along, across))
+    found = read_tiff(path, mask.width, mask.length, (along, across), told)
     tips = _groove_edges(mask, phototool) * (GRID / found.pixel)
     total = np.concatenate([[0.0], np.cumsum(found.column_area)])
     area = np.diff(np.interp(tips, np.arange(len(total)), total)) * (found.pixel / GRID) ** 2

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
 from mpfcad.mask.check.count_pixels import count_tile
+from mpfcad.mask.whole import Told, untold
 from mpfcad.units import mm
 
 INCH = 25.4 * mm
@@ -48,9 +49,15 @@ class FoundPixels:
 
 
 def read_tiff(
-    path: Path, width: float, length: float, edges: tuple[NDArray[np.float64], NDArray[np.float64]]
+    path: Path,
+    width: float,
+    length: float,
+    edges: tuple[NDArray[np.float64], NDArray[np.float64]],
+    told: Told = untold,
 ) -> FoundPixels:
     """Return what a TIFF holds of a panel of width × length; `edges` of squares along, across [mm].
+
+    `told` gets the share that is read, as it grows.
 
     Raises
     ------
@@ -77,7 +84,7 @@ def read_tiff(
     box = (corner[0], top, round(width / pixel), round(length / pixel))
     if top < 0 or box[0] + box[2] > tags[WIDTH][0]:
         raise ExportError(f"{path}: the panel does not lie within the picture")
-    return FoundPixels(text, pixel, *_sum_up(path, data, tags, box, edges, pixel))
+    return FoundPixels(text, pixel, *_sum_up(path, data, tags, box, edges, pixel, told))
 
 
 def _corner(path: Path, text: tuple[str, ...]) -> tuple[int, int]:
@@ -122,6 +129,7 @@ def _sum_up(
     box: tuple[int, int, int, int],
     edges: tuple[NDArray[np.float64], NDArray[np.float64]],
     pixel: float,
+    told: Told,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return black pixels a column, black pixels and all pixels a square."""
     left, top, width, height = box
@@ -132,6 +140,8 @@ def _sum_up(
     column_area = np.zeros(width, np.int64)
     square_area = np.zeros((len(cuts[0]) - 1, len(cuts[1]) - 1), np.int64)
     for x, y, tile in _tiles(path, data, tags):
+        if x == 0:
+            told(min(1.0, y / tags[HEIGHT][0]))
         x0, x1 = max(x, left), min(x + tile.shape[1] * 8, left + width)
         y0, y1 = max(y, top), min(y + tile.shape[0], top + height)
         if x0 >= x1 or y0 >= y1:

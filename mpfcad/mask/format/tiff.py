@@ -17,6 +17,7 @@ from mpfcad.mask.format.drawing import Drawing
 from mpfcad.mask.format.flat import flat_tiles
 from mpfcad.mask.format.raster import Raster, Spans
 from mpfcad.mask.rule import GRID
+from mpfcad.mask.whole import Told, untold
 
 #: Side of a tile, and its height where a strip of them would not fit the memory [pixels].
 TILE, LOW_TILE, LARGEST_STRIP = 2048, 256, 1_000_000_000
@@ -25,8 +26,13 @@ DEFLATE, WHITE_IS_ZERO = 8, 0
 LEVEL, THREADS = 3, 2
 
 
-def write_tiff(drawing: Drawing, path: Path) -> None:
-    """Write `drawing` to `path`.
+def strip_bytes(width: int) -> int:
+    """Return the memory that a strip of tiles of a picture so many pixels wide takes."""
+    return width * (TILE if width * TILE <= LARGEST_STRIP else LOW_TILE) // 8
+
+
+def write_tiff(drawing: Drawing, path: Path, told: Told = untold) -> None:
+    """Write `drawing` to `path`; `told` gets the share that is written, strip by strip.
 
     Raises
     ------
@@ -40,7 +46,7 @@ def write_tiff(drawing: Drawing, path: Path) -> None:
     strips = _Strips(drawing, raster, tile_height)
     with tifffile.TiffWriter(path, bigtiff=True, byteorder="<") as file:
         file.write(
-            strips.tiles(),
+            strips.tiles(told),
             shape=(raster.height, raster.width),
             dtype=bool,
             photometric=WHITE_IS_ZERO,
@@ -84,8 +90,8 @@ class _Strips:
             pixels = (points - (raster.left, raster.top)) * (1, -1) / raster.pixel
             self.polygons.append((pixels, pixels.min(axis=0), pixels.max(axis=0)))
 
-    def tiles(self) -> Iterator[bytes]:
-        """Yield the compressed tiles, row by row."""
+    def tiles(self, told: Told) -> Iterator[bytes]:
+        """Yield the compressed tiles, row by row; `told` gets the share that is done."""
         across = -(-self.raster.width // TILE)
         with ThreadPoolExecutor(THREADS) as pool:
             for top in range(0, self.raster.height, self.height):
@@ -93,6 +99,7 @@ class _Strips:
                 self._draw(strip, top)
                 lefts = range(0, across * TILE, TILE)
                 yield from pool.map(lambda left: self._tile(strip, left, top), lefts)  # noqa: B023
+                told(min(1.0, (top + self.height) / self.raster.height))
 
     def _tile(self, strip: NDArray[np.uint8], left: int, top: int) -> bytes:
         tile = np.ascontiguousarray(strip[:, left // 8 : (left + TILE) // 8])

@@ -14,7 +14,7 @@ from mpfcad.mask.format.oasis import write_oasis
 from mpfcad.mask.format.svg import write_svg
 from mpfcad.mask.format.tiff import write_tiff
 from mpfcad.mask.phototool import Phototool
-from mpfcad.mask.whole import whole_file
+from mpfcad.mask.whole import Told, untold, whole_file
 
 #: A file in which places stand one by one must not get larger than this [bytes].
 LARGEST_FILE = 256 * 1024**2
@@ -36,13 +36,16 @@ class Format:
         bytes that a place takes which is not part of a lattice
     closes
         whether polarity `closed` is offered
+    tells
+        whether `write` takes somebody who is told how far it is
     """
 
     title: str
-    write: Callable[[Drawing, Path], None]
+    write: Callable[..., None]
     paints: bool
     place_size: float
     closes: bool = True
+    tells: bool = False
 
 
 #: Suffix -> format.
@@ -52,12 +55,16 @@ FORMATS = {
     "dxf": Format("DXF R2000", write_dxf, False, 120, closes=False),
     "gbr": Format("Gerber RS-274X", write_gerber, True, 24),
     "svg": Format("SVG", write_svg, True, 40),
-    "tif": Format("TIFF", write_tiff, True, 24),
+    "tif": Format("TIFF", write_tiff, True, 24, tells=True),
 }
 
 
-def write_mask(mask: Mask, path: Path, phototool: Phototool | None = None) -> None:
+def write_mask(
+    mask: Mask, path: Path, phototool: Phototool | None = None, told: Told = untold
+) -> None:
     """Write the mask to `path`; its suffix says in which format.
+
+    `told` gets the share of a picture that is written, as it grows.
 
     Raises
     ------
@@ -77,7 +84,7 @@ def write_mask(mask: Mask, path: Path, phototool: Phototool | None = None) -> No
     _check_size(path, style, drawing)
     try:
         with whole_file(path) as part:
-            style.write(drawing, part)
+            style.write(drawing, part, *((told,) if style.tells else ()))
     except OSError as error:
         raise ExportError(f"{path}: cannot be written: {error.strerror or error}") from None
 

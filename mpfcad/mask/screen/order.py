@@ -61,6 +61,12 @@ def edge_tolerance(mask: Mask, process: Process, curvature: float) -> float | No
     return change * mask.pitch * mask.period / (2 * side)
 
 
+def artwork_size(mask: Mask, phototool: Phototool) -> tuple[float, float]:
+    """Return the size of the artwork, furniture included, across and along [mm]."""
+    left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
+    return right - left, top - bottom
+
+
 def describe_order(
     mask: Mask, process: Process, phototool: Phototool, terms: OrderTerms
 ) -> dict[str, Any]:
@@ -68,8 +74,7 @@ def describe_order(
     mesh, rules = mask.rules.mesh, mask.rules
     aperture, web = mask.smallest_features
     tolerance = edge_tolerance(mask, process, terms.curvature_tolerance)
-    left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
-    artwork = (right - left, top - bottom)
+    artwork = artwork_size(mask, phototool)
     frame = terms.frame or tuple(float(np.ceil(FRAME_SHARE * side / 10) * 10) for side in artwork)
     return {
         "name": mask.name,

@@ -4,14 +4,10 @@ Estimates are upper bounds; a refusal says which value would fit.
 """
 
 import math
-from collections.abc import Sequence
 
 from mpfcad.errors import InputError
 from mpfcad.job import Job
 
-_INCH = 25.4
-#: Largest picture [pixels]: 1 bit each, some minutes of one core.
-_PIXELS = 3e10
 #: Largest mesh [triangles]: about 200 bytes each in memory while it is made and checked.
 _TRIANGLES = 4e7
 
@@ -19,29 +15,6 @@ _TRIANGLES = 4e7
 def groove_count(width: float, pitch: float) -> int:
     """Return how many whole grooves of `pitch` [mm] cover `width` [mm]."""
     return math.ceil(width / pitch - 1e-9)
-
-
-def refuse_picture(
-    job: Job, width: float, length: float, formats: Sequence[str], where: str
-) -> None:
-    """Refuse a TIFF of a mask of a width and length [mm] with more pixels than minutes write.
-
-    Raises
-    ------
-    InputError
-        naming the resolution and the largest that fits.
-    """
-    if "tif" not in formats:
-        return
-    area = width * length / _INCH**2
-    pixels = area * job.mask.tif_dpi**2
-    if pixels > _PIXELS:
-        most = math.floor(math.sqrt(_PIXELS / area))
-        raise InputError(
-            f"{where}: mask.tif_dpi: {job.mask.tif_dpi:g}: {pixels / 1e9:.0f} gigapixels on "
-            f"{width:g} mm x {length:g} mm: expected at most {most} "
-            f"({_PIXELS / 1e9:.0f} gigapixels), or no tif"
-        )
 
 
 def most_triangles(job: Job, groove_count: int) -> int:

@@ -1,5 +1,6 @@
 """Writes the files of a plan into a folder; what they are worth is examined from the files."""
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,13 +10,18 @@ from mpfcad.film import PanelFilm, Process
 from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
+from mpfcad.mask.screen.order import artwork_size
+from mpfcad.mask.whole import Told
 from mpfcad.pipeline.kind import Check, kind_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.printed.picture import Picture
 from mpfcad.pipeline.plan.printed.screen import job_levelling, mask_rules
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.progress import Progress
 
+#: Seconds between two lines that say how far a long file is.
+INTERVAL = 10.0
 MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
 CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
 #: Endings of the picture of a mask, and of the markers of what is too narrow in it.
@@ -66,8 +72,29 @@ def write_masks(
     from mpfcad.mask import write_mask
 
     for name in names:
-        progress.stage(f"writing {name}")
-        write_mask(mask, folder / name, tool)
+        words = f"writing {name}{_picture_words(mask, tool, name)}"
+        progress.stage(words)
+        write_mask(mask, folder / name, tool, _told(progress, words))
+
+
+def _picture_words(mask: Mask, tool: Phototool, name: str) -> str:
+    """Return how long a large TIFF will take, as text."""
+    if not name.endswith(".tif"):
+        return ""
+    return Picture.of(artwork_size(mask, tool), tool.dpi, mask.is_lattice).words
+
+
+def _told(progress: Progress, words: str) -> Told:
+    """Return who shows the share of a long file, every `INTERVAL` seconds."""
+    last = time.monotonic()
+
+    def tell(share: float) -> None:
+        nonlocal last
+        if time.monotonic() - last >= INTERVAL and share < 1:
+            last = time.monotonic()
+            progress.stage(f"{words}: {share:.0%}")
+
+    return tell
 
 
 def check_masks(
@@ -84,8 +111,9 @@ def check_masks(
 
     checks = {}
     for name in names:
-        progress.stage(f"checking {name}")
-        checks[name] = check_mask(folder / name, mask, tool)
+        words = f"checking {name}"
+        progress.stage(words)
+        checks[name] = check_mask(folder / name, mask, tool, _told(progress, words))
     return checks
 
 

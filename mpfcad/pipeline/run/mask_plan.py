@@ -23,7 +23,14 @@ from mpfcad.pipeline.plan.plan import (
     stored_job,
 )
 from mpfcad.pipeline.plan.printed.nearest import Asked
-from mpfcad.pipeline.plan.printed.order import ORDER, job_order, named, phototool, write_job_order
+from mpfcad.pipeline.plan.printed.order import (
+    ORDER,
+    job_order,
+    named,
+    phototool,
+    refuse_mask_formats,
+    write_job_order,
+)
 from mpfcad.pipeline.plan.printed.printing import job_print_limits, plan_printing
 from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.printed.propose import propose, with_screen
@@ -125,6 +132,17 @@ class MaskPlan:
     def phototool(self) -> Phototool:
         """Return how the job wants its artwork."""
         return phototool(self.job, self.mask, self.process)
+
+    def refuse_formats(self, formats: Sequence[str], where: str, folder: Path) -> None:
+        """Refuse formats that cannot hold a mask, and a frame too small, before anything is made.
+
+        Raises
+        ------
+        InputError
+            that begins with `where` and the job's field.
+        """
+        for one in self.masks:
+            refuse_mask_formats(one.job, one.mask, formats, where, folder)
 
     def write_order(self, folder: Path, screen: dict[str, Any], formats: Sequence[str]) -> None:
         """Write order.pdf and the list of coupons for `mpfcad calibrate`."""

@@ -82,7 +82,7 @@ def run_job(
     masks = [plan_mask(film) for film in plan.films]
     for mask in masks:
         if mask is not None:
-            refuse_mask_formats(job, mask, job.mask.formats, str(job_file))
+            refuse_mask_formats(job, mask, job.mask.formats, str(job_file), out)
     # The traces are kept until the export is on the disk: a full disk at the report loses none.
     with (
         Checkpoints(Store.open(progress.note)) as checkpoints,
@@ -189,8 +189,7 @@ def make_planned_mask(
     """Make and check the mask files of a plan, from the job or export `source`, as `make_mask`."""
     job = plan.job
     formats = formats or tuple(job.mask.formats)
-    for one in plan.masks:
-        refuse_mask_formats(job, one.mask, formats, str(source))
+    plan.refuse_formats(formats, str(source), out)
     with export_folder(out, "mask") as folder:
         found = []
         for one in plan.masks:

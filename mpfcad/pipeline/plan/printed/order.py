@@ -10,9 +10,14 @@ from mpfcad.export import sha256, write_text
 from mpfcad.film import Process
 from mpfcad.job import Job
 from mpfcad.mask import Mask, Phototool
-from mpfcad.mask.screen.order import OrderTerms, describe_order, order_lines
+from mpfcad.mask.screen.order import (
+    OrderTerms,
+    artwork_size,
+    describe_order,
+    order_lines,
+)
+from mpfcad.pipeline.plan.printed.picture import refuse_picture
 from mpfcad.pipeline.plan.printed.screen import moire_setting
-from mpfcad.pipeline.plan.size import refuse_picture
 from mpfcad.record.printing import RATIO_LIMIT
 from mpfcad.units import mm, um
 
@@ -85,15 +90,22 @@ def named(file: str, film: str) -> str:
     return file.replace(".", f"{film}.")
 
 
-def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str) -> None:
-    """Refuse formats that cannot hold the mask, before anything is made.
+def refuse_mask_formats(
+    job: Job, mask: Mask, formats: Sequence[str], where: str, folder: Path
+) -> None:
+    """Refuse formats that cannot hold the mask, and a frame too small, before anything is made.
+
+    `folder` is where the files will be: its disk counts.
 
     Raises
     ------
     InputError
         naming the job's field, and what would do.
     """
-    refuse_picture(job, mask.width, mask.length, formats, where)
+    artwork = artwork_size(mask, bare_phototool(job))
+    _refuse_frame(job, artwork, where)
+    if "tif" in formats:
+        refuse_picture(artwork, job.mask.tif_dpi, mask.is_lattice, where, folder)
     lattice = mask.rules.pattern in ("slot", "dot", "staggered", "angled") and not list(
         mask.tile_arrays
     )
@@ -125,6 +137,16 @@ def refuse_mask_formats(job: Job, mask: Mask, formats: Sequence[str], where: str
                 f"{share:.2g} of a groove of {mask.length:g} mm: expected at most {RATIO_LIMIT:g}: "
                 f"a panel of {length:.3g} mm or more, a smaller mask.dot_um, or another pattern"
             )
+
+
+def _refuse_frame(job: Job, artwork: tuple[float, float], where: str) -> None:
+    frame = job.mask.frame_mm
+    if frame is not None and any(side < art for side, art in zip(frame, artwork, strict=True)):
+        shown, least = (" x ".join(f"{side:g}" for side in size) for size in (frame, artwork))
+        raise InputError(
+            f"{where}: mask.frame_mm: {shown}: expected more than the artwork with its furniture, "
+            f"{least} mm"
+        )
 
 
 def smallest_dot(mask: Mask) -> float:

@@ -13,10 +13,10 @@ import numpy as np
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, check_printable
 from mpfcad.job import Job
-from mpfcad.mask.fabric import Mesh, read_catalogue, shipped_catalogue
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting, worst_contrast
 from mpfcad.pipeline.plan.printed.nearest import Asked, refuse_map
+from mpfcad.pipeline.plan.printed.screen import catalogue_of
 from mpfcad.pipeline.plan.printed.trial import (
     FIRST_ANGLE,
     SOLIDS,
@@ -41,7 +41,7 @@ def propose(job: Job, job_file: Path, asked: Asked, groove: Groove) -> list[Prop
         when a file is wrong; when no mesh prints the map, naming the grooves and the nearest map.
     """
     found: list[Proposal] = []
-    meshes = _catalogue(job, job_file)
+    meshes = catalogue_of(job, job_file)
     for mesh in meshes:
         best: Proposal | None = None
         for solids in SOLIDS:
@@ -60,13 +60,6 @@ def propose(job: Job, job_file: Path, asked: Asked, groove: Groove) -> list[Prop
     found.sort(key=rank, reverse=True)
     shown = [_with_angle(job, row, groove) for row in found[:MOST_ROWS]]
     return sorted(shown, key=rank, reverse=True)
-
-
-def _catalogue(job: Job, job_file: Path) -> tuple[Mesh, ...]:
-    table = job.mask.mesh
-    if table is not None and table.catalogue is not None:
-        return read_catalogue(job_file.parent / table.catalogue)
-    return shipped_catalogue()
 
 
 def _with_angle(job: Job, row: Proposal, groove: Groove) -> Proposal:
@@ -96,13 +89,15 @@ def choose_screen(job: Job, job_file: Path, asked: Asked, groove: Groove) -> tup
     """
     best = propose(job, job_file, asked, groove)[0]
     if best.margin < 1:
-        refuse_map(job, job_file, asked, groove, _catalogue(job, job_file), best)
+        refuse_map(job, job_file, asked, groove, catalogue_of(job, job_file), best)
     chosen = try_screen(job, best.mesh, best.solids_fraction)
     table = chosen.mask.mesh
     assert table is not None
     table = table.model_copy(update={"angle_deg": best.angle / deg})
     table.model_fields_set.add("angle_deg")
     update = {"period_um": round(best.period / um, 6), "mesh": table, "pattern": best.pattern}
+    if job.mask.dot_um is not None:
+        update["dot_um"] = None
     mask = chosen.mask.model_copy(update=update)
     mask.model_fields_set.update(update)
     return chosen.model_copy(update={"mask": mask}), best.reason()

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from mpfcad.boundary import named_file
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, Process, levelling_length
 from mpfcad.job import Job
@@ -111,8 +112,23 @@ def with_own_catalogue(job: Job, job_file: Path) -> Job:
     if table is None or table.name is None or table.catalogue is None or table.is_auto:
         return job
     where = f"{job_file}: mask.mesh"
-    meshes = read_catalogue(job_file.parent / table.catalogue)
+    meshes = catalogue_of(job, job_file)
     return with_mesh(job, find_mesh(table.name, catalogue=meshes, where=where))
+
+
+def catalogue_of(job: Job, job_file: Path) -> tuple[Mesh, ...]:
+    """Return the meshes that a job's may be: its weaver's table, or the shipped one.
+
+    Raises
+    ------
+    InputError
+        when the table is not there, or is wrong.
+    """
+    name = None if job.mask.mesh is None else job.mask.mesh.catalogue
+    if name is None:
+        return shipped_catalogue()
+    where = f"{job_file}: mask.mesh.catalogue"
+    return read_catalogue(named_file(where, job_file.parent, name, "a table of meshes (CSV)"))
 
 
 def with_mesh(job: Job, mesh: Mesh) -> Job:
