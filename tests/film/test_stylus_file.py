@@ -74,6 +74,9 @@ CASES = {
                   "Points\t1200\nX-Resolution\t0.25 um\n\tRaw A\n"), ("step 0.25",)),
     "from the right": (text(table()[::-1], header="x_um,z_um\n"), ("x from the right, turned",)),
     "no header": (text(table(1.0, 1e3, 6), "\t"), ("x mm and z µm by pitch and depth (not stated)",)),
+    "inch": (text(table(1 / 25.4, 1 / 25.4, 9), header="x_inch,z_in\n"), ("in",)),
+    "mil": (text(table(1 / 25.4e-3, 1 / 25.4e-6, 6), header="x (mil),z [uin]\n"), ("x mil and z µin",)),
+    "a word behind the axis": (text(table(1.0, 1e3, 6), header="x_raw,z_profile\n"), ("not stated",)),
     "commas twice": (text(table(), ",", "x_um,z_um\n", comma=True), ("decimal comma",)),
     "missing": (text(table(), header="x_um,z_um\n").replace("\n5.00000,", "\n5.00000,NaN\n5.00001,"),
                 ("1 rows without a number",)),
@@ -92,6 +95,11 @@ def test_read_rightly_and_said(tmp_path, case):
     assert fit.curvature.value == pytest.approx(TRUTH, abs=0.1)
 
 
+def test_told_units_overrule_a_strange_one(tmp_path):
+    trace = read(tmp_path, text(table(), header="x_furlong,z_um\n"), units=("µm", "µm"))
+    assert fit_stylus_trace(trace, BEF).curvature.value == pytest.approx(TRUTH, abs=0.1)
+
+
 def test_rounded_positions_are_averaged(tmp_path):
     x = np.arange(0.0, 300.0, 0.05)
     z = BEF.height((x / 1e3) % BEF.pitch - BEF.half_width, TRUTH) * 1e3
@@ -108,7 +116,11 @@ def test_rounded_positions_are_averaged(tmp_path):
         (text(table(z=-surface()), header="x_um,z_um\n"), {}, ("upside down", "--correct")),
         (text(table(scale_z=1.0, digits=7), header="x_um,z_um\n"), {}, ("z is in mm", "--unit")),
         (text(table(scale_z=100.0), header="x_um,z_um\n"), {}, ("times 10", "--correct")),
-        (text(table(scale_x=1.0, digits=7), header="x_um,z_um\n"), {}, ("long", "100 µm")),
+        (text(table(scale_x=1.0, digits=7), header="x_um,z_um\n"), {}, ("x in µm is 0.2998 µm long", "in mm there are grooves", "--unit mm,um")),
+        (text(table(scale_x=1e6), header="x_um,z_um\n"), {}, ("in nm there are grooves", "--unit nm,um")),
+        (text(table(), header="x_furlong,z_um\n"), {}, ("column 1 (x_furlong)", "'furlong'", "--unit")),
+        (text(table(), header="X [um],Z [V]\n"), {}, ("column 2 (Z [V])", "'V'", "--unit")),
+        (text(table(), header="Units: furlong\nx,z\n"), {}, ("'furlong'", "--unit")),
         (text(table(1e3, 1e7), header="\n"), {"units": ("µm", "nm")}, ("z is in Å",)),
         (text([(str(int(float(a) * 4)), "5", str(int(float(b) * 10)), "5") for a, b in table()]), {},
          ("4 columns", "2 with decimal commas")),
@@ -184,7 +196,8 @@ def test_rows_of_three_are_a_map(tmp_path):
     ("text", "unit"),
     [("Lateral um", "µm"), ("Total Profile(Å)", "Å"), ("[mm]", "mm"), ("z/nm", "nm"), ("(A)", "Å"),
      ("Raw Micrometer", "µm"), ("Points", None), ("X_(microns)", "µm"), ("amplitude", None),
-     ("x in m", "m")],
+     ("x in m", "m"), ("x in", "in"), ("Height [in]", "in"), ("mils", "mil"), ("Z (µin)", "µin"),
+     ("cut in halves", None), ("z/cm", "cm")],
 )  # fmt: skip
 def test_units_in_words(text, unit):
     assert find_unit(text.replace("_", " ")) == unit
@@ -211,4 +224,5 @@ def test_words_of_options(parse, word, named):
     with pytest.raises(InputError, match=named):
         parse(word)
     assert parse_units("mm,um") == ("mm", "µm")
+    assert parse_units("in,uin") == ("in", "µin")
     assert parse_columns("2,4") == (2, 4)

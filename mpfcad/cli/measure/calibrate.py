@@ -57,7 +57,7 @@ def command(
         typer.Option(
             "--unit",
             metavar="X[,Z]",
-            help="Unit of the columns: um, mm, nm, A or m [default: the file's].",
+            help="Unit of the columns: um, mm, nm, A, m, cm, in, mil or uin [default: the file's].",
         ),
     ] = None,
     columns: Annotated[

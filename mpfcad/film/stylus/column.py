@@ -11,7 +11,7 @@ from mpfcad.film.stylus.areal import ArealMap, cut_profile
 from mpfcad.film.stylus.profile import RawProfile
 from mpfcad.film.stylus.text import NumberTable
 from mpfcad.film.stylus.tip import USUAL_ANGLE, StylusTip
-from mpfcad.film.stylus.unit import NUMBER, UNITS, find_unit, parse_number
+from mpfcad.film.stylus.unit import NUMBER, UNITS, find_strange_unit, find_unit, parse_number
 from mpfcad.units import deg
 
 _NO_LENGTH = re.compile(
@@ -76,8 +76,11 @@ def find_profile(path: Path, table: NumberTable, columns: tuple[int, int] | None
         at = _one_height(path, table, heights)
         x: NDArray[np.float64] = np.arange(len(values), dtype=np.float64) * step[0]
         words.append(f"step {step[0]:g} from its header")
-        unit = find_unit(table.names[at])
-        return RawProfile(x, values[:, at], step[1], unit, table.lines, words, tip)
+        name = table.names[at].replace("_", " ")
+        return RawProfile(
+            x, values[:, at], step[1], find_unit(name), table.lines, words, tip,
+            _strange(table, at),
+        )  # fmt: skip
     if count == 1:
         raise InputError(f"{path}: one column: expected two, or the step of x in the header")
     rising = [i for i in useful if _is_monotone(values[:, i])]
@@ -95,17 +98,31 @@ def _profile(
     if (x, z) != (0, 1) or table.values.shape[1] > 2:
         name = f" ({table.names[z]})" if table.names[z] else ""
         words = [*words, f"x column {x + 1}, z column {z + 1}{name}"]
-    units = [find_unit(table.names[i].replace("_", " ")) for i in (x, z)]
+    names = [table.names[i].replace("_", " ") for i in (x, z)]
+    units = [find_unit(name) for name in names]
+    strange = _strange(table, x, z)
     if units == [None, None] and table.header:
         # One unit, said once above the columns.
-        said = [find_unit(line) for line in table.header if re.search(r"unit|einheit", line, re.I)]
-        units = [said[-1]] * 2 if said else units
+        lines = [line for line in table.header if re.search(r"unit|einheit", line, re.I)]
+        units = [find_unit(lines[-1])] * 2 if lines else units
+        unknown = find_strange_unit(lines[-1]) if lines else None
+        strange = strange or (f"{lines[-1]!r} states the unit {unknown!r}" if unknown else "")
         pair = [find_unit(part) for part in table.header[0].split()]
         if len(table.header) <= 2 and len(pair) == 2 and all(pair):
             units = pair
     return RawProfile(
-        table.values[:, x], table.values[:, z], units[0], units[1], table.lines, words, tip
+        table.values[:, x], table.values[:, z], units[0], units[1], table.lines, words, tip, strange
     )
+
+
+def _strange(table: NumberTable, *columns: int) -> str:
+    """Return which columns name a unit that is none of length, in words; "" where none does."""
+    found = [
+        f"column {i + 1} ({table.names[i]}) states the unit {word!r}"
+        for i in columns
+        if (word := find_strange_unit(table.names[i].replace("_", " ")))
+    ]
+    return " and ".join(found)
 
 
 def _one_height(path: Path, table: NumberTable, candidates: list[int]) -> int:

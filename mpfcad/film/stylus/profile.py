@@ -24,6 +24,8 @@ class RawProfile:
         what was understood, for the line that says so
     tip
         the stylus's, where the file states it
+    strange
+        columns that state a unit which is none of length, in words
     """
 
     position: NDArray[np.float64]
@@ -33,6 +35,7 @@ class RawProfile:
     lines: list[int] | None = None
     words: list[str] = field(default_factory=list)
     tip: StylusTip | None = None
+    strange: str = ""
 
 
 def tidy(path: Path, raw: RawProfile) -> RawProfile:

@@ -16,7 +16,7 @@ from mpfcad.film.stylus.scale import SHOWN, Shape, fitting_units, is_plausible, 
 from mpfcad.film.stylus.text import read_table
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace, check_sampling
-from mpfcad.film.stylus.unit import UNITS, parse_unit
+from mpfcad.film.stylus.unit import UNITS, WORDS, parse_unit
 from mpfcad.units import deg, um
 
 
@@ -118,7 +118,11 @@ def _scaled(
     raw, said = _with_units(path, raw, option, groove, profile)
     x = raw.position * UNITS[str(raw.position_unit)]
     z = raw.height * UNITS[str(raw.height_unit)]
-    check_sampling(path, x, list(raw.lines or []), groove.pitch, prism_widths)
+    try:
+        check_sampling(path, x, list(raw.lines or []), groove.pitch, prism_widths)
+    except InputError:
+        _refuse_other_position(path, raw, groove, profile)
+        raise
     tip = option.tip or raw.tip
     z, corrected = _upright(path, x, z, replace(raw, tip=tip), option, groove, profile)
     words = [*raw.words[:1], said, *raw.words[1:], f"{len(x):,} points"]
@@ -142,6 +146,10 @@ def _with_units(
     if option.units is not None:
         x, z = option.units
         return replace(raw, position_unit=x, height_unit=z), _pair(x, z) + " as told"
+    if raw.strange:
+        raise InputError(
+            f"{path}: {raw.strange}: expected one of length: {WORDS}; --unit X,Z overrules it"
+        )
     if raw.position_unit and raw.height_unit:
         return raw, _pair(raw.position_unit, raw.height_unit)
     pairs = fitting_units(raw.position, raw.height, groove, profile, option.tip or raw.tip)
@@ -159,6 +167,25 @@ def _with_units(
         replace(raw, position_unit=x, height_unit=z),
         f"{_pair(x, z)} by pitch and depth (not stated)",
     )
+
+
+def _refuse_other_position(path: Path, raw: RawProfile, groove: Groove, profile: Profile) -> None:
+    """Refuse positions that are too short, or too coarse, by their unit alone, naming both.
+
+    Raises
+    ------
+    InputError
+        when in another unit of the positions the trace shows the grooves.
+    """
+    pairs = fitting_units(raw.position, raw.height, groove, profile, raw.tip)
+    other = [x for x, z in pairs if z == raw.height_unit and x != raw.position_unit]
+    if len(other) == 1:
+        length = (raw.position[-1] - raw.position[0]) * UNITS[str(raw.position_unit)] / um
+        raise InputError(
+            f"{path}: x in {raw.position_unit} is {length:.4g} µm long; in {other[0]} there are "
+            f"grooves of pitch {groove.pitch / um:g} µm: expected --unit "
+            f"{_option((other[0], str(raw.height_unit)))}, or a trace of that length"
+        )
 
 
 def _pair(x: str, z: str) -> str:
@@ -246,7 +273,7 @@ def _other_units(raw: RawProfile, groove: Groove, profile: Profile) -> tuple[str
 
 
 def _option(pair: tuple[str, str]) -> str:
-    return ",".join({"µm": "um", "Å": "A"}.get(unit, unit) for unit in pair)
+    return ",".join({"µm": "um", "Å": "A", "µin": "uin"}.get(unit, unit) for unit in pair)
 
 
 def _tip_words(tip: StylusTip | None, told: bool) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.dilated import DilatedGroove
 from mpfcad.film.stylus.tip import StylusTip
-from mpfcad.film.stylus.unit import UNITS
+from mpfcad.film.stylus.unit import UNITS, USUAL
 from mpfcad.units import um
 
 #: Share of the variance that a period must explain.
@@ -152,15 +152,16 @@ def fitting_units(
 ) -> list[tuple[str, str]]:
     """Return the pairs of units of position and height in which a trace shows such grooves."""
     pairs = []
-    for x_name, x_factor in UNITS.items():
+    for x_name in USUAL:
+        x_factor = UNITS[x_name]
         length = (x[-1] - x[0]) * x_factor
         if not 1.5 * groove.pitch <= length < 1e5 * groove.pitch:
             continue
         step = float(np.median(np.diff(x))) * x_factor
         if step > groove.pitch / 6:
             continue
-        for z_name, z_factor in UNITS.items():
-            shape = read_shape(x * x_factor, z * z_factor, groove, profile, tip)
+        for z_name in USUAL:
+            shape = read_shape(x * x_factor, z * UNITS[z_name], groove, profile, tip)
             if shape.explained < SHOWN:
                 break
             if is_plausible(shape, groove, profile):
