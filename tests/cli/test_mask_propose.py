@@ -39,6 +39,33 @@ def test_proposals_are_a_table_best_first(patterned, capsys):
     assert best["mesh"] in capsys.readouterr().out.splitlines()[2]
 
 
+def test_the_best_is_given_as_lines_to_paste_and_as_a_command(patterned, tmp_path, capsys):
+    patterned("")
+    assert run_app(["mask", "job.toml", "--propose"]) == 0
+    out = capsys.readouterr().out
+    assert "solids: what the resin has to be diluted to; the job's has 100%" in out
+    lines, command = out.split("in the job:\n\n")[1].split("\n\nor its mask at once:\n\n")
+    patterned(lines)
+    assert run_app(["mask", "job.toml", "--plan"]) == 0
+    pasted = capsys.readouterr().out
+    patterned("")
+    words = command.strip().removeprefix("mpfcad ").replace("'", "").split()
+    assert run_app([*words, "--plan"]) == 0
+    assert capsys.readouterr().out == pasted
+    assert run_app(["mask", "job.toml", "--propose", "--json"]) == 0
+    best = json.loads(capsys.readouterr().out)["proposals"][0]
+    assert best["job_lines"] == lines.splitlines() and best["command"] == command.strip()
+    low, high = best["aperture_ratio"]
+    assert f"aperture ratio {low:.4g} … {high:.4g}" in pasted
+
+
+def test_auto_says_when_it_dilutes(patterned, tmp_path, capsys):
+    patterned('[mask]\nmesh = "auto"')
+    assert run_app(["mask", "job.toml", "--format", "oas", "--out", "out"]) == 0
+    process = json.loads((tmp_path / "out" / "screen.json").read_text("utf-8"))["process"]
+    assert "solids, the job's has 100%" in str(process["caveats"])
+
+
 def test_auto_takes_the_best_says_why_and_its_screen_passes(patterned, tmp_path, capsys):
     patterned('[mask]\nmesh = "auto"')
     assert run_app(["mask", "job.toml", "--propose", "--json"]) == 0

@@ -45,9 +45,18 @@ def command(
     mesh: Annotated[
         str | None, typer.Option("--mesh", help="Mesh of the screen, in place of the job's.")
     ] = None,
+    mesh_angle_deg: Annotated[
+        float | None,
+        typer.Option(
+            "--mesh-angle-deg", help="Angle of the threads to the grooves, in place of the job's."
+        ),
+    ] = None,
     emulsion_um: Annotated[
         float | None,
         typer.Option("--emulsion-um", help="Emulsion over mesh, in place of the job's."),
+    ] = None,
+    pattern: Annotated[
+        str | None, typer.Option("--pattern", help="Pattern, in place of the job's.")
     ] = None,
     period_um: Annotated[
         float | None, typer.Option("--period-um", help="Period, in place of the job's.")
@@ -78,14 +87,17 @@ def command(
     changes = {
         name: value
         for name, value in (
-            ("mesh.name", mesh), ("mesh.emulsion_um", emulsion_um), ("period_um", period_um),
+            ("mesh.name", mesh), ("mesh.angle_deg", mesh_angle_deg),
+            ("mesh.emulsion_um", emulsion_um), ("pattern", pattern), ("period_um", period_um),
             ("process.solids_fraction", solids),
             ("polarity", polarity), ("mirror", mirror), ("revision", revision),
         )
         if value is not None
     }  # fmt: skip
     if propose:
-        return _propose(job_file, json)
+        from mpfcad.cli.make.proposal import print_proposals
+
+        return print_proposals(job_file, json)
     planned = _read(job_file, changes)
     chosen = asked or tuple(planned.job.mask.formats)
     folder = out or default_out(planned.job).with_name(f"{planned.job.name}-mask")
@@ -132,40 +144,3 @@ def _compare(file: Path, planned: "MaskPlan") -> int:
         raise InputError(str(error)) from None
     print("\n".join(comparison_lines(found)))
     return 0 if found.is_same else 1
-
-
-def _propose(job_file: Path, json: bool) -> int:
-    """Print the screens that print a job's map."""
-    import json as json_format
-
-    from mpfcad.job import read_job
-    from mpfcad.pipeline import read_proposals
-
-    rows = [row.document() for row in read_proposals(read_job(job_file), job_file)]
-    if json:
-        print(json_format.dumps({"schema": 1, "proposals": rows}, indent=1, ensure_ascii=False))
-        return 0
-    print(
-        f"{'mesh':<14}{'pattern':<8}{'period':>8}{'angle':>7}{'solids':>8}{'ratio':>16}{'aperture':>10}{'web':>8}"
-        f"{'ripple':>9}{'moiré':>9}{'volume':>8}{'wet':>7}{'cost':>6}{'margin':>8}  weakest"
-    )
-    print(
-        f"{'':<22}{'µm':>8}{'°':>7}{'%':>8}{'':>16}{'µm':>10}{'µm':>8}{'1/mm':>9}{'':>9}"
-        f"{'cm³/m²':>8}{'cm³/m²':>7}{'':>6}"
-    )
-    least = min(row["wet_volume_cm3_m2"] for row in rows)
-    for row in rows:
-        low, high = row["aperture_ratio"]
-        mark = "" if row["sourced"] else "*"
-        print(
-            f"{row['mesh'] + mark:<14}{row['pattern']:<8}{row['period_um']:>8.0f}"
-            f"{row['mesh_angle_deg']:>7.1f}"
-            f"{100 * row['solids_fraction']:>8.0f}{f'{low:.3f} … {high:.3f}':>16}"
-            f"{row['smallest_aperture_um']:>10.1f}{row['smallest_web_um']:>8.1f}"
-            f"{row['ripple_curvature_per_mm']:>9.2g}{row['moire_contrast']:>9.2g}"
-            f"{row['ink_volume_cm3_m2']:>8.1f}{row['wet_volume_cm3_m2']:>7.2f}"
-            f"{row['wet_volume_cm3_m2'] / least:>6.2f}{row['margin']:>8.2f}  {row['weakest']}"
-        )
-    print("margin: least figure over its limit, 1 is just printable; * volume computed")
-    print("cost: wet resin laid down, of the least; prices of meshes are not known")
-    return 0

@@ -16,6 +16,7 @@ from mpfcad.job import Job
 from mpfcad.mask.rule import MaskRules
 from mpfcad.mask.screen.moire import MoireSetting, worst_contrast
 from mpfcad.pipeline.plan.printed.nearest import Asked, refuse_map
+from mpfcad.pipeline.plan.printed.paste import dilution
 from mpfcad.pipeline.plan.printed.screen import catalogue_of
 from mpfcad.pipeline.plan.printed.trial import (
     FIRST_ANGLE,
@@ -100,7 +101,8 @@ def choose_screen(job: Job, job_file: Path, asked: Asked, groove: Groove) -> tup
         update["dot_um"] = None
     mask = chosen.mask.model_copy(update=update)
     mask.model_fields_set.update(update)
-    return chosen.model_copy(update={"mask": mask}), best.reason()
+    reason = "; ".join(text for text in (best.reason(), dilution(job, best)) if text)
+    return chosen.model_copy(update={"mask": mask}), reason
 
 
 def with_screen(job: Job, job_file: Path, asked: Asked, groove: Groove) -> tuple[Job, str | None]:
