@@ -57,6 +57,31 @@ def test_the_order_is_one_page_that_states_everything(export):
     assert {"order.pdf", "coupons.csv"} <= set(str(manifest).replace("'", " ").split())
 
 
+def test_the_order_shows_the_artwork_of_the_file(export, tmp_path):
+    from pypdf import PdfReader
+
+    def page(folder):
+        return PdfReader(folder / "order.pdf").pages[0]
+
+    text = page(export / "out").extract_text()
+    for words in ("x -10.000, 18.500; y -10.000, 40.000", "F1", "F4", "cut-out at x", "step wedge",
+                  "drawn from mask.oas", "blue is open"):  # fmt: skip
+        assert words in text, words
+    # What was not stated is not printed as 0.
+    assert "emulsion over mesh\nnot stated" in text
+    # The cut-out holds the file's apertures: a closed drawing is its complement.
+    for options in (["--emulsion-um", "5"], ["--polarity", "closed"], ["--format", "tif"]):
+        out = tmp_path / options[1]
+        assert run_app(["mask", str(export / "out"), *options, "--out", str(out)]) in (0, 1)
+    assert "5 µm" in page(tmp_path / "5").extract_text()
+    assert "cut-out" not in page(tmp_path / "tif").extract_text()
+    drawn = [
+        page(folder).get_contents().get_data() for folder in (export / "out", tmp_path / "closed")
+    ]
+    blue = [data.count(b"0.04 .37 .65 rg") + data.count(b".04 .37 .65 rg") for data in drawn]
+    assert all(blue)
+
+
 def test_smallest_features_of_the_order_are_those_of_the_file(export):
     screen = json.loads((export / "out" / "screen.json").read_text("utf-8"))
     gates = {gate["name"]: gate["value"] for gate in screen["gates"]}

@@ -32,6 +32,8 @@ class OrderTerms:
         (across, along) inside of the frame [mm]; None: `FRAME_SHARE` of the artwork
     mesh_angle
         of the threads to the grooves [rad]
+    emulsion
+        over mesh [mm]; None: not stated
     curvature_tolerance
         change of a groove's curvature [1/mm] that the tolerance of an edge stands for
     """
@@ -40,6 +42,7 @@ class OrderTerms:
     squeegee: Direction
     frame: tuple[float, float] | None
     mesh_angle: float
+    emulsion: float | None
     curvature_tolerance: float
 
 
@@ -86,7 +89,7 @@ def describe_order(
         "mesh_thickness_um": None if mesh is None else mesh.thickness / um,
         "mesh_computed": "" if mesh is None else mesh.computed,
         "mesh_angle_deg": terms.mesh_angle / deg,
-        "emulsion_over_mesh_um": 0.0 if mesh is None else mesh.emulsion / um,
+        "emulsion_over_mesh_um": None if terms.emulsion is None else terms.emulsion / um,
         "emulsion_side": phototool.emulsion_side,
         "polarity": phototool.polarity,
         "mirror": phototool.mirror,
@@ -115,9 +118,10 @@ def order_lines(order: dict[str, Any]) -> tuple[str, ...]:
     if order["mesh"] is None:
         screen = "phototool only: no mesh named"
     else:
+        over = order["emulsion_over_mesh_um"]
         screen = (
             f"mesh {order['mesh']} {order['mesh_material']} at {order['mesh_angle_deg']:g} deg to "
-            f"the grooves; emulsion over mesh {order['emulsion_over_mesh_um']:g} um"
+            f"the grooves; emulsion over mesh {'not stated' if over is None else f'{over:g} um'}"
         )
     pattern = f"{order['pattern']} period {order['period_um']:.4f} um"
     if order["smallest_aperture_um"] is not None:

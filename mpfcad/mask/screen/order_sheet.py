@@ -4,19 +4,32 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mpfcad.mask.check.found import FoundMask
+from mpfcad.mask.screen.order_picture import (
+    POINT,
+    Frame,
+    draw_artwork,
+    draw_window,
+    fiducial_centres,
+    find_window,
+)
 from mpfcad.mask.whole import whole_file
+from mpfcad.units import um
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
-#: Points a mm; margins, column and line in mm.
-_POINT = 72 / 25.4
-_LEFT, _TOP, _VALUE, _LINE, _FOOT = 18.0, 279.0, 78.0, 5.6, 18.0
-_DRAWING = 52.0
+#: Margins, column and line [mm]; the pictures' widths and the hashes' height.
+_LEFT, _TOP, _VALUE, _LINE, _FOOT = 18.0, 279.0, 78.0, 5.4, 14.0
+_ARTWORK, _WINDOW, _HASHES = 92.0, 74.0, 32.0
 
 
 def write_order(
-    path: Path, order: dict[str, Any], printability: str | None, hashes: dict[str, str]
+    path: Path,
+    order: dict[str, Any],
+    printability: str | None,
+    hashes: dict[str, str],
+    artwork: tuple[str, FoundMask] | None,
 ) -> None:
     """Write the order sheet.
 
@@ -30,6 +43,8 @@ def write_order(
         what the gates said
     hashes
         SHA-256 of each mask file by its name
+    artwork
+        the file that is drawn, and what it holds; None: pixels only
     """
     from reportlab.lib.pagesizes import A4
     from reportlab.pdfgen.canvas import Canvas
@@ -39,18 +54,22 @@ def write_order(
         canvas.setTitle(f"Screen order: {order['name']}, revision {order['revision']}")
         canvas.setCreator("mpfcad")
         canvas.setFont("Helvetica-Bold", 15)
-        canvas.drawString(_LEFT * _POINT, _TOP * _POINT, f"Screen order: {order['name']}")
+        canvas.drawString(_LEFT * POINT, _TOP * POINT, f"Screen order: {order['name']}")
         height = _TOP - 9
-        for label, value in _rows(order, printability):
+        found = None if artwork is None else artwork[1]
+        for label, value in _rows(order, printability, found):
             _write_row(canvas, height, label, value)
             height -= _LINE
-        _draw_panel(canvas, order, height - 4)
+        if artwork is not None:
+            _draw_pictures(canvas, order, artwork, height)
         _write_hashes(canvas, hashes)
         canvas.showPage()
         canvas.save()
 
 
-def _rows(order: dict[str, Any], printability: str | None) -> Iterator[tuple[str, str]]:
+def _rows(
+    order: dict[str, Any], printability: str | None, found: FoundMask | None
+) -> Iterator[tuple[str, str]]:
     yield "revision; content hash", f"{order['revision']}; {order['content_sha256_12']}"
     yield "printability", str(printability)
     if order["mesh"] is None:
@@ -66,7 +85,8 @@ def _rows(order: dict[str, Any], printability: str | None) -> Iterator[tuple[str
         if order["mesh_computed"]:
             yield "of these computed", f"{order['mesh_computed']}: state the weaver's in the offer"
         yield "angle of the threads to the grooves", f"{order['mesh_angle_deg']:g}°"
-        yield "emulsion over mesh", f"{order['emulsion_over_mesh_um']:g} µm"
+        over = order["emulsion_over_mesh_um"]
+        yield "emulsion over mesh", "not stated" if over is None else f"{over:g} µm"
     yield "emulsion side", f"the {order['emulsion_side']}'s"
     drawn = {"open": "where resin passes", "closed": "where no resin passes"}
     yield "drawn", drawn[order["polarity"]]
@@ -93,38 +113,42 @@ def _rows(order: dict[str, Any], printability: str | None) -> Iterator[tuple[str
         yield label, " × ".join(f"{side:.2f}" for side in order[f"{name}_mm"]) + " mm"
     yield "open area", f"{order['open_area_cm2']:.1f} cm²"
     yield "fiducials", f"{order['fiducials']} crosses, 10 mm off the corners, 4 mm across"
-    wedge = ", ".join(f"{100 * ratio:.3g}" for ratio in order["coupon_aperture_ratio"])
-    yield "step wedge [%]", wedge or "none"
+    if found is not None and found.fiducials:
+        axes = zip("xy", zip(*fiducial_centres(found), strict=True), strict=True)
+        places = "; ".join(
+            f"{axis} {', '.join(dict.fromkeys(f'{value:.3f}' for value in sorted(values)))}"
+            for axis, values in axes
+        )
+        yield "their centres [mm] from the panel's corner", places
+    ratios = order["coupon_aperture_ratio"][:: -1 if order["mirror"] else 1]
+    wedge = ", ".join(f"{100 * ratio:.3g}" for ratio in ratios)
+    yield "step wedge, left to right [%]", wedge or "none"
 
 
 def _write_row(canvas: "Canvas", height: float, label: str, value: str) -> None:
     canvas.setFont("Helvetica", 9)
-    canvas.drawString(_LEFT * _POINT, height * _POINT, label)
+    canvas.drawString(_LEFT * POINT, height * POINT, label)
     canvas.setFont("Helvetica-Bold", 9)
-    canvas.drawString(_VALUE * _POINT, height * _POINT, value)
+    canvas.drawString(_VALUE * POINT, height * POINT, value)
 
 
-def _draw_panel(canvas: "Canvas", order: dict[str, Any], top: float) -> None:
-    """Draw frame, artwork and panel to one scale, and the directions."""
-    frame, art, panel = (order[f"{k}_mm"] for k in ("frame_inside", "artwork", "panel"))
-    space = top - _FOOT - 34
-    scale = min(_DRAWING * 2 / max(frame[0], art[0]), space / max(frame[1], art[1]))
-    middle = (_LEFT + _DRAWING, top - space / 2)
-    for size, width in ((frame, 1.2), (art, 0.4), (panel, 0.8)):
-        canvas.setLineWidth(width)
-        x, y = (m - s * scale / 2 for m, s in zip(middle, size, strict=True))
-        canvas.rect(x * _POINT, y * _POINT, size[0] * scale * _POINT, size[1] * scale * _POINT)
-    x, y = 132.0, middle[1]
-    canvas.setLineWidth(0.8)
-    canvas.line(x * _POINT, (y - 12) * _POINT, x * _POINT, (y + 12) * _POINT)
-    canvas.setFont("Helvetica", 8)
-    canvas.drawString((x + 3) * _POINT, y * _POINT, "grooves (y)")
-    canvas.drawString(x * _POINT, (y - 18) * _POINT, "frame, artwork, panel: to scale")
+def _draw_pictures(
+    canvas: "Canvas", order: dict[str, Any], artwork: tuple[str, FoundMask], top: float
+) -> None:
+    """Draw the artwork and a magnified cut-out of it, side by side, as the file has them."""
+    name, found = artwork
+    foot = _FOOT + _HASHES
+    window = find_window(found, order["period_um"] * um)
+    draw_artwork(canvas, found, Frame(_LEFT, foot, _ARTWORK, top - foot), window)
+    draw_window(canvas, found, Frame(_LEFT + _ARTWORK + 8, foot, _WINDOW, top - foot), window)
+    canvas.setFont("Helvetica", 7)
+    text = f"drawn from {name}; x across, y along the grooves, from the panel's lower left corner"
+    canvas.drawString(_LEFT * POINT, (foot - 3) * POINT, text)
 
 
 def _write_hashes(canvas: "Canvas", hashes: dict[str, str]) -> None:
     canvas.setFont("Courier", 7)
     for i, (name, digest) in enumerate(sorted(hashes.items())):
-        canvas.drawString(_LEFT * _POINT, (_FOOT + 24 - 3.6 * i) * _POINT, f"{digest}  {name}")
+        canvas.drawString(_LEFT * POINT, (_FOOT + 20 - 3.6 * i) * POINT, f"{digest}  {name}")
     canvas.setFont("Helvetica", 8)
-    canvas.drawString(_LEFT * _POINT, (_FOOT + 28) * _POINT, "SHA-256 of the files")
+    canvas.drawString(_LEFT * POINT, (_FOOT + 24) * POINT, "SHA-256 of the files")

@@ -54,8 +54,14 @@ def order_terms(job: Job) -> OrderTerms:
         squeegee=job.mask.squeegee,
         frame=None if frame is None else (frame[0], frame[1]),
         mesh_angle=moire_setting(job.mask).mesh_angle,
+        emulsion=_stated_emulsion(job),
         curvature_tolerance=job.gates.ripple_curvature_per_mm,
     )
+
+
+def _stated_emulsion(job: Job) -> float | None:
+    mesh = job.mask.mesh
+    return mesh.emulsion if mesh is not None and "emulsion_um" in mesh.model_fields_set else None
 
 
 def job_order(job: Job, mask: Mask, process: Process) -> dict[str, Any]:
@@ -76,11 +82,13 @@ def write_job_order(
     `masks` is where the mask files are whose hashes the sheet states; None: in `folder`.
     """
     from mpfcad.mask.screen.order import coupon_table
+    from mpfcad.mask.screen.order_picture import read_artwork
     from mpfcad.mask.screen.order_sheet import write_order
 
-    names = [f"mask{film}.{suffix}" for suffix in formats]
-    hashes = {name: sha256((masks or folder) / name) for name in names}
-    write_order(folder / named(ORDER, film), order, printability, hashes)
+    names, source = [f"mask{film}.{suffix}" for suffix in formats], masks or folder
+    hashes = {name: sha256(source / name) for name in names}
+    artwork = read_artwork(source, names)
+    write_order(folder / named(ORDER, film), order, printability, hashes, artwork)
     if order["coupon_aperture_ratio"]:
         write_text(folder / named(COUPONS, film), coupon_table(order))
 
