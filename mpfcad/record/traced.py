@@ -49,13 +49,13 @@ def baseline_words(record: dict[str, Any]) -> str:
 
 
 def comparison_words(record: dict[str, Any]) -> str:
-    """Return what the film is compared with and why it is that, as a sentence."""
-    words = baseline_words(record)
-    if BASELINE not in record or "words" not in record[BASELINE]:
-        return f"The luminance is compared with {words}."
+    """Return what the baseline is and why it is that."""
+    words = f"Baseline: {baseline_words(record)}"
+    if "words" not in record[BASELINE]:
+        return f"{words}."
     if record[BASELINE]["is_own"]:
-        return f"The film is compared with {words}; the job names no other [baseline]."
+        return f"{words}; the job names no other."
     return (
-        f"The luminance is compared with {words}, the job's [baseline]; the contrast also with "
-        "a plain BEF in this backlight."
+        f"{words}, which the job names. The contrast is compared with a plain BEF in this "
+        "backlight, too."
     )

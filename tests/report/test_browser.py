@@ -33,6 +33,11 @@ OVERFLOWING = """
   && e.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
   .map(e => e.tagName + ': ' + e.textContent.slice(0, 60))
 """
+SCROLLING = """
+[...document.querySelectorAll('main .scroll, main figure')].filter(e => e.getClientRects().length)
+  .map(e => [e.textContent.slice(0, 40), e.scrollWidth > e.clientWidth
+    && getComputedStyle(e).overflowX === 'auto', e.tabIndex === 0 && !!e.ariaLabel])
+"""
 #: Contrast of text with what lies behind it (WCAG 2.2, 1.4.3), the least over the page.
 CONTRAST = """
 (() => {
@@ -241,6 +246,17 @@ def test_parts_have_names_and_places(page):
     """
     assert page.run(nameless) == []
     assert page.run("[...document.querySelectorAll('[tabindex]')].every(e => e.tabIndex === 0)")
+
+
+def test_what_scrolls_sideways_takes_the_keyboard_and_nothing_else(page):
+    """WCAG 2.2, 2.1.1; a stop of the tabulator on what does not scroll leads nowhere."""
+    page.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    for width in (390, 3840):
+        page.width(width)
+        page.run("new Promise(done => requestAnimationFrame(() => setTimeout(done, 200)))")
+        found = page.run(SCROLLING)
+        assert all(wide == reached for _, wide, reached in found), found
+        assert any(wide for _, wide, _ in found) == (width == 390)
 
 
 @pytest.mark.parametrize("width", WIDTHS)

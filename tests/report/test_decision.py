@@ -59,8 +59,8 @@ def test_what_is_assumed_stands_beside_the_verdict():
 @pytest.mark.parametrize(
     ("stack", "words", "rows"),
     [
-        (None, "compared with a plain BEF in this backlight; the job names no other", 2),
-        ("slim", "a plain BEF in slim, the job's [baseline]; the contrast also with a plain", 3),
+        (None, "Baseline: a plain BEF in this backlight; the job names no other.", 2),
+        ("slim", "Baseline: a plain BEF in slim, which the job names. The contrast", 3),
     ],
 )
 def test_the_page_says_what_the_film_is_compared_with(stack, words, rows):
@@ -71,7 +71,7 @@ def test_the_page_says_what_the_film_is_compared_with(stack, words, rows):
     found = record(0.001, 0.008, "PASS", baseline=base)
     text = shown(found)
     assert words in text
-    assert f"of the luminance of {base['words']}" in text
+    assert "share of the baseline's luminance" in text
     assert len(decision_values(found)["scale"]["rows"]) == rows
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpfcad.record.traced import baseline_words, comparison_words, traced_films
+from mpfcad.record.traced import comparison_words, traced_films
 from mpfcad.report.drawing.angle_figure import cell_figure
 from mpfcad.report.drawing.figure import luminance_figure
 from mpfcad.report.drawing.plot import plot
@@ -129,7 +129,7 @@ def _figures(record: Record) -> list[tuple[str, str, str]]:
             f"95 %: {mean['ci95'][0]:.0f} … {mean['ci95'][1]:.0f}",
         ),
         (
-            f"of the luminance of {baseline_words(record)}",
+            "share of the baseline's luminance",
             f"{record['relative_luminance'] * 100:.1f} %",
             f"{record['baseline']['mean_luminance_cd_m2']['value']:.0f} cd/m²",
         ),

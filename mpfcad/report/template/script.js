@@ -45,7 +45,16 @@ function stack(layout, columns, place) {
 const plots = () => [...document.querySelectorAll(".plot")];
 const seen = place => place.getClientRects().length > 0;
 const drawSeen = () => plots().forEach(place => seen(place) && !place.drawn && draw(place));
-document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", drawSeen));
+// What scrolls sideways is reached by the keyboard, and only that.
+const reach = () => document.querySelectorAll(".scroll, figure").forEach(part => {
+  const wide = part.scrollWidth > part.clientWidth && getComputedStyle(part).overflowX === "auto";
+  const names = {tabindex: 0, role: "group", "aria-label": "wider than the page: scrolls sideways"};
+  for (const [name, value] of Object.entries(names))
+    if (wide) part.setAttribute(name, value); else part.removeAttribute(name);
+});
+const unfold = () => { drawSeen(); reach(); };
+document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", unfold));
+addEventListener("resize", reach);
 dark.addEventListener("change", () => plots().forEach(place => place.drawn && draw(place)));
 addEventListener("beforeprint", () => {
   document.querySelectorAll("details").forEach(part => { part.wasOpen = part.open; part.open = true; });
@@ -59,4 +68,4 @@ addEventListener("afterprint", () => {
 const openTarget = () => document.querySelector(`details[id="${location.hash.slice(1)}"]`)?.setAttribute("open", "");
 addEventListener("hashchange", openTarget);
 openTarget();
-drawSeen();
+unfold();
