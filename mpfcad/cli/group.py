@@ -17,7 +17,8 @@ from mpfcad.cli.narrow import Context
 PLACES = {
     "make": ("run", "mask", "cad", "mould", "design", "sweep", "init"),
     "measure": (
-        "trace", "measure", "compare", "bsdf", "calibrate", "judge", "correct", "stacks",
+        "trace", "measure", "compare", "bsdf", "calibrate", "judge", "correct", "fit",
+        "stacks",
     ),
     "check": ("verify", "view", "cache", "doctor", "sign"),
 }  # fmt: skip
@@ -53,6 +54,7 @@ GROUPS = {
     "Measure prints": {
         "judge": "mpfcad judge luminance.csv --against exports/patterned-16mm",
         "correct": "mpfcad correct exports/patterned-16mm --measured seen.csv --lamp-at-mm 5.3",
+        "fit": "mpfcad fit fit.toml --effort quick",
         "calibrate": "mpfcad calibrate trace.csv --aperture 0.1 --out process.toml",
     },
     "Housekeeping": {

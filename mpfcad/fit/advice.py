@@ -38,8 +38,6 @@ def _rated(
     name: str, extra: NDArray[np.float64], posterior: Posterior, lines: Lines, aims: list[Figured]
 ) -> dict[str, Any]:
     before = posterior.covariance
-    value, vector = np.linalg.eigh(extra)
-    extra = (vector * np.maximum(value, 0)) @ vector.T
     after = np.linalg.inv(np.linalg.inv(before) + extra)
     if not aims:
         return {"measurement": name, "left": float(np.sqrt(np.trace(after) / np.trace(before)))}

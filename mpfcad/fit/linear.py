@@ -18,8 +18,8 @@ class Line:
         (m,), (m, m) float64, there, from a trace of its own
     slope
         (k, m) float64, 0 of a value that the view does not depend on
-    inverse, scatter
-        (k, k), (m, m) float64: the slopes' covariance is their product
+    slope_covariance
+        (m, k, k) float64, of each reading's slopes
     bow
         (m,) float64: by how much runs a step away in all values lie off the line in the mean
     """
@@ -28,8 +28,7 @@ class Line:
     start: NDArray[np.float64]
     start_covariance: NDArray[np.float64]
     slope: NDArray[np.float64]
-    inverse: NDArray[np.float64]
-    scatter: NDArray[np.float64]
+    slope_covariance: NDArray[np.float64]
     bow: NDArray[np.float64]
 
     def reading(self, steps: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -45,8 +44,8 @@ class Line:
         Of the trace at the middle, of the slopes over so wide a range, and of what is not straight.
         """
         away = steps - self.at
-        wide = float(np.sum(self.inverse * (covariance + np.outer(away, away))))
-        return self.start_covariance + wide * self.scatter + np.outer(self.bow, self.bow)
+        wide = np.sum(self.slope_covariance * (covariance + np.outer(away, away)), axis=(1, 2))
+        return self.start_covariance + np.diag(wide) + np.outer(self.bow, self.bow)
 
 
 def fit_line(
@@ -61,21 +60,35 @@ def fit_line(
 
     `is_active` (k,): which values the view depends on; the others have no slope, and no noise.
     All runs share their random numbers, so the scatter about the line is what noise they do not
-    share, and what is not straight.
+    share, and what is not straight. Slopes of a reading are taken as of one size, which the runs
+    tell, and drawn towards 0 as far as noise may have made them (Efron and Morris, "Stein's
+    estimation rule and its competitors", 1973): so noise is not taken for knowledge.
     """
     away = (steps - at)[:, is_active]
-    design = np.column_stack([np.ones(len(away)), away])
-    inverse = np.linalg.inv(design.T @ design)
-    coefficient = inverse @ design.T @ found
-    rest = found - design @ coefficient
-    scatter = rest.T @ rest / max(1, len(steps) - design.shape[1])
+    middle = away.mean(axis=0)
+    inner = (away - middle).T @ (away - middle)
+    mean = found.mean(axis=0)
+    raw = np.linalg.solve(inner, (away - middle).T @ (found - mean))
+    rest = found - mean - (away - middle) @ raw
+    scatter = np.sum(rest**2, axis=0) / max(1, len(steps) - away.shape[1] - 1)
     k, m = steps.shape[1], found.shape[1]
-    slope, wide = np.zeros((k, m)), np.zeros((k, k))
-    slope[is_active] = coefficient[1:]
-    wide[np.ix_(is_active, is_active)] = inverse[1:, 1:]
-    square = np.mean(np.sum(away**2, axis=1)) / max(1, away.shape[1])
-    bow = (coefficient[0] - start) / max(float(square), 1.0)
-    noise = np.diag(start_covariance) + np.diag(scatter) * inverse[0, 0]
+    slope, spread = np.zeros((k, m)), np.zeros((m, k, k))
+    part = np.ix_(is_active, is_active)
+    for j in range(m):
+        size = _size(raw[:, j], inner, float(scatter[j]))
+        ridge = np.linalg.inv(inner / scatter[j] + np.eye(len(inner)) / size)
+        slope[is_active, j] = ridge @ (inner / scatter[j]) @ raw[:, j]
+        spread[j][part] = ridge
+    square = float(np.mean(away**2))
+    bow = (mean - middle @ slope[is_active] - start) / max(square, 1.0)
+    noise = np.diag(start_covariance) + scatter / len(steps)
     # What the noise of both may have made is no bow (James and Stein, 1961).
     kept = np.maximum(0.0, 1 - noise / np.where(bow == 0, 1.0, bow**2))
-    return Line(at, start, start_covariance, slope, wide, scatter, bow * kept)
+    return Line(at, start, start_covariance, slope, spread, bow * kept)
+
+
+def _size(slope: NDArray[np.float64], inner: NDArray[np.float64], scatter: float) -> float:
+    """Return the mean square of the true slopes (k,), at least what their noise may hide."""
+    count, weight = len(slope), float(np.trace(inner))
+    power = float(slope @ inner @ slope) - count * scatter
+    return max(power, scatter * float(np.sqrt(2 * count))) / weight

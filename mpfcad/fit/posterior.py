@@ -52,8 +52,8 @@ class Posterior:
 def fit_values(lines: Lines, data: list[Datum], unknowns: Unknowns) -> Posterior:
     """Return the values that data and prior hold, by Levenberg and Marquardt on straight readings.
 
-    The traces' noise stands in each datum's covariance; the part of the information that noise in
-    the slopes feigns is taken off.
+    The traces' noise, of the slopes too over what is left of the values, stands in each datum's
+    covariance.
     """
     covariance = unknowns.prior
     middle = next((line.at for line in lines.values()), np.zeros(len(unknowns.factors)))
@@ -120,27 +120,20 @@ def _information(
     weights: list[NDArray[np.float64]],
     steps: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return what the data say of the steps, (k, k), positive or zero."""
+    """Return what the data say of the steps, (k, k)."""
     k = len(steps)
     total = np.zeros((k, k))
     for datum, weight in zip(data, weights, strict=True):
         if datum.side and not np.any(datum.off(datum.figured.predict(lines, steps))):
             continue
         total += information_of(datum.figured, weight, lines, steps)
-    value, vector = np.linalg.eigh(total)
-    found: NDArray[np.float64] = (vector * np.maximum(value, 0)) @ vector.T
-    return found
+    return total
 
 
 def information_of(
     figured: Figured, weight: NDArray[np.float64], lines: Lines, steps: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return JᵀW⁻¹J of a figure less what noise in the slopes adds to it in the mean, (k, k)."""
-    inverse = np.linalg.inv(weight)
+    """Return JᵀW⁻¹J of a figure, (k, k)."""
     slope = figured.jacobian(lines, steps)
-    found: NDArray[np.float64] = slope.T @ inverse @ slope
-    for view, gain in figured.gain(lines, steps).items():
-        line = lines[view]
-        feigned = float(np.sum(inverse * (gain @ line.scatter @ gain.T)))
-        found = found - feigned * line.inverse
+    found: NDArray[np.float64] = slope.T @ np.linalg.solve(weight, slope)
     return found

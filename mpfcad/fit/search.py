@@ -1,7 +1,7 @@
 """Values sought in rounds: traces about the last values, a fit, until they move no more."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -101,9 +101,7 @@ def trace_line(
     only = np.where(is_active, steps, at)
     found = np.array([tracer.trace(view, row, middle=False)[0] for row in only])
     line = fit_line(at, only, found, start, covariance, is_active)
-    return Line(
-        at, start, covariance, line.slope + tracer.known(view), line.inverse, line.scatter, line.bow
-    )
+    return replace(line, slope=line.slope + tracer.known(view))
 
 
 def _first_steps(unknowns: Unknowns) -> NDArray[np.float64]:
@@ -125,3 +123,20 @@ def _within(steps: NDArray[np.float64], unknowns: Unknowns) -> NDArray[np.float6
     low, high = unknowns.limits()
     room = np.minimum(0.02, (high - low) / 4)
     return np.clip(steps, low + room, high - room)
+
+
+def later_lines(
+    tracer: Tracer,
+    views: list[View],
+    found: Found,
+    unknowns: Unknowns,
+    tell: Callable[[str], None] = lambda text: None,
+) -> Found:
+    """Return what was found with the lines of further views, traced about the values found."""
+    posterior, lines = found.posterior, dict(found.lines)
+    steps = _within(posterior.steps + _later_steps(posterior.covariance, unknowns), unknowns)
+    new = [view for view in views if view not in lines]
+    for place, view in enumerate(new, 1):
+        tell(f"what is asked for: {view[0]}, {view[1]} ({place} of {len(new)})")
+        lines[view] = trace_line(tracer, view, posterior.steps, steps)
+    return replace(found, lines=lines)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from types import NoneType
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -107,13 +107,21 @@ def _shown(value: Any) -> str:
 
 def _known_keys(root: type[BaseModel], location: tuple[Any, ...]) -> str:
     """Return the keys that the table at `location` in a `root` knows."""
-    model = root
+    model: Any = root
     for part in location:
-        model = _table_of(model.model_fields[part].annotation)
+        if get_origin(model) in (list, dict):
+            model = get_args(model)[-1]
+        else:
+            model = _table_of(model.model_fields[part].annotation)
     keys = [field.alias or name for name, field in model.model_fields.items()]
     return "known: " + ", ".join(keys)
 
 
-def _table_of(annotation: Any) -> type[BaseModel]:
-    """Return the model of a table that may be left out (`Table | None`), or of one that may not."""
+def _table_of(annotation: Any) -> Any:
+    """Return the model of a table that may be left out (`Table | None`), or of one that may not.
+
+    Of tables in a list or by name it is the list or dict of models.
+    """
+    if get_origin(annotation) in (list, dict):
+        return annotation
     return next((kind for kind in get_args(annotation) if kind is not NoneType), annotation)

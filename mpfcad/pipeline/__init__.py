@@ -7,6 +7,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 
 from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
+from mpfcad.pipeline.fit.fit import FitSetting, default_fit_out, fit_backlight
 from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, job_case, read_case
 from mpfcad.pipeline.measure.compare import compare_cases
 from mpfcad.pipeline.measure.led_case import read_cases
@@ -36,6 +37,7 @@ __all__ = [
     "TRACE_SETTINGS",
     "WHAT",
     "Case",
+    "FitSetting",
     "MaskPlan",
     "Measuring",
     "MouldSetting",
@@ -47,10 +49,12 @@ __all__ = [
     "changed_job",
     "compare_cases",
     "default_design_out",
+    "default_fit_out",
     "default_measure_out",
     "default_out",
     "default_sweep_out",
     "default_what",
+    "fit_backlight",
     "job_case",
     "make_cad",
     "make_mask",

@@ -8,6 +8,7 @@ from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.page import build_page, write_report
 from mpfcad.report.page.compare_page import write_compare_page
 from mpfcad.report.page.design_page import write_design_page
+from mpfcad.report.page.fit_page import write_fit_page
 from mpfcad.report.page.measure_page import write_measure_page
 from mpfcad.report.page.sweep_page import write_sweep_page
 from mpfcad.report.page.thickness_section import limit_words, range_words
@@ -20,6 +21,7 @@ __all__ = [
     "range_words",
     "write_compare_page",
     "write_design_page",
+    "write_fit_page",
     "write_measure_page",
     "write_pictures",
     "write_report",

@@ -46,11 +46,12 @@ def code_hash(*packages: str) -> str:
 def work_hash(kind: str) -> str:
     """Return the SHA-256 of the code that an entry of a kind depends on.
 
-    Kernels: `kernel_hash`. Half-done traces: `TRACE`. All else: every file but those of `SHOWN`.
+    Kernels: `kernel_hash`. Half-done traces and those of fits: `TRACE`. All else: every file but
+    those of `SHOWN`.
     """
     if kind == "kernel":
         return kernel_hash()
-    if kind == "trace":
+    if kind in ("trace", "fit"):
         return code_hash(*TRACE)
     shown = [_PACKAGE / package for package in SHOWN]
     return _hash(lambda path, text: not _is_within(path, shown))

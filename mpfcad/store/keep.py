@@ -25,6 +25,7 @@ KINDS = {
     "trace": "half-done traces",
     "figure": "measured figures",
     "point": "points of sweeps",
+    "fit": "traces of fits",
     "design": "traces and models of designs",
     "kernel": "compiled kernels",
 }

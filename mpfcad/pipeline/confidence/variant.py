@@ -65,7 +65,8 @@ class Variants:
         """Return the inputs that are not known exactly and change the scene."""
         found = [*self._of_stack(), *self._of_film()]
         stated = self.table.sigmas()
-        unknown = sorted(set(stated) - {factor.name for factor in found})
+        known = {factor.name for factor in found} | self._unused()
+        unknown = sorted(set(stated) - known)
         if unknown:
             raise InputError(
                 f"confidence.covariance: {unknown[0]}: expected inputs of this job that are not "
@@ -75,6 +76,13 @@ class Variants:
             replace(f, sigma=stated[f.name], source="covariance") if f.name in stated else f
             for f in found
         ]
+
+    def _unused(self) -> set[str]:
+        """Return the numbers with a width that this stack has: a fit's covariance names them all.
+
+        Those that do not change the scene are in no other sense inputs.
+        """
+        return {name for name in self.stack.quantity if width_of(self.stack, name).sigma > 0}
 
     def left_out(self) -> list[str]:
         """Return the inputs that are not carried, with the reason."""

@@ -21,6 +21,7 @@ PAGES = {
     "design": ("design.html", "design.json"),
     "led-design": ("design.html", "design.json"),
     "sweep": ("sweep.html", "sweep.json"),
+    "fit": ("fit.html", "fit.json"),
 }
 #: How deep below the folder exports are looked for.
 DEPTH = 4

@@ -1,0 +1,1 @@
+"""A backlight's values from measurements: data read, traces with values changed, results."""
