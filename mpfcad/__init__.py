@@ -6,9 +6,10 @@
 'c60'
 
 The layers, from the bottom: `units` and `errors`; `film` (what the film is); `mask`, `cad` and
-`optics` (what is made of it, and how it is traced); `backlight`; `measure`; `record` and `report`;
-and at the top `job`, `pipeline`, `cli` and `api`, whose names stand here too. Imports point down
-only; tests/test_layering.py holds it. Nothing heavy is imported before it is used.
+`optics` (what is made of it, and how it is traced); `backlight`; `measure`; `confidence` and `fit`;
+`record` and `report`; and at the top `job`, `pipeline`, `cli` and `api`, whose names stand here
+too. Imports point down only; tests/test_layering.py holds it. Nothing heavy is imported before it
+is used.
 """
 
 TYPE_CHECKING = False  # as typing's; its import would be a third of this one's time
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
         DesignResult,
         Export,
         Figure,
+        Fit,
+        FitResult,
         Job,
         Measurement,
         Run,
@@ -36,6 +39,8 @@ __all__ = [
     "Export",
     "ExportError",
     "Figure",
+    "Fit",
+    "FitResult",
     "GeometryError",
     "InputError",
     "Job",

@@ -14,7 +14,7 @@ from mpfcad.fit.posterior import Lines, Posterior, fit_values
 from mpfcad.fit.unknown import Unknowns
 
 #: Settled: the last move over the widths left, root mean square over all directions.
-SETTLED = 0.3
+SETTLED = 0.5
 MOST_ROUNDS = 4
 #: Widths left below it, in the prior's, are not traced: noise would hide so small a change.
 _NARROW = 0.3

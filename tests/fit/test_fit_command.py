@@ -1,0 +1,179 @@
+"""`mpfcad fit`: one line for each fault; a small backlight fitted end to end, twice alike."""
+
+import json
+
+import numpy as np
+import pytest
+from command import content
+
+from mpfcad.backlight import read_stack
+from mpfcad.confidence import read_covariance
+from mpfcad.errors import InputError
+from mpfcad.job.fit import read_fit
+from mpfcad.pipeline import FitSetting, fit_backlight
+from mpfcad.pipeline.fit.case import build_cases, read_backlight
+from mpfcad.pipeline.fit.data import read_data
+from mpfcad.pipeline.fit.sought import find_unknowns
+
+SMALL = """
+name = "small"
+values = ["reflector_reflectance", "top_sheet_sigma"]
+
+[stack]
+preset = "thesis-32in-mpf"
+
+[stack.override]
+reflector_reflectance = { value = 0.9, sigma = 0.05 }
+
+[case.mpf]
+curvature_per_mm = 60.0
+
+[case.bef]
+
+[[measurement]]
+case = "mpf"
+over = "bef"
+of = "luminance"
+value = 0.94
+sigma = 0.004
+
+[[measurement]]
+case = "mpf"
+of = "luminance"
+value = 7000.0
+sigma = 70.0
+"""
+
+
+def written(tmp_path, text=SMALL, **files):
+    for name, content_of in files.items():
+        (tmp_path / name.replace("_csv", ".csv")).write_text(content_of)
+    path = tmp_path / "fit.toml"
+    path.write_text(text)
+    return path
+
+
+def refused(path, setting=None):
+    with pytest.raises(InputError) as error:
+        fit_backlight(read_fit(path), path, path.parent / "out", setting)
+    assert "\n" not in str(error.value) and len(str(error.value)) <= 300
+    assert not (path.parent / "out").exists()
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (('case = "mpf"\nof', 'case = "slim"\nof'), "measurement 2: case: slim: no such case"),
+        (('of = "luminance"\nvalue = 0', 'of = "haze"\nvalue = 0'), "measurement.0.of: haze: exp"),
+        (("sigma = 70.0", ""), "sigma: expected the standard error"),
+        (("value = 7000.0", ""), "expected one of value, at_most, at_least"),
+        (("curvature_per_mm = 60.0", "curvature_per_mm = 90.0"), "90: expected at most 80"),
+        (("[case.bef]", '[case.bef]\nlayers = ["glass", "film"]'), "bef.layers: glass: expected"),
+        (("[case.bef]", '[case.bef]\nfilm = "no.stl"'), "bef.film: .*no such file"),
+        (("[case.bef]", "[case.bef]\nradius = 3"), "case.bef.radius: 3: unknown key; known: lay"),
+        (('"top_sheet_sigma"', '"lamp_count"'), "lamp_count: expected values that are not exact"),
+        (('"top_sheet_sigma"', '"top_sigma"'), "top_sigma: expected values that are not exact"),
+        (('name = "small"', 'name = "small"\nfree = ["top_sheet_sigma", "plate_index", '
+         '"lamp_height_mm"]'), "2 measured numbers for 4 values without prior"),
+        (('name = "small"', 'name = "small"\ncovariance = "c.csv"'), "eigenvalue"),
+        (("value = 7000.0\nsigma = 70.0", 'value = 1.1\nsigma = 0.1\nover = "bef"\n\n[[predict]]\n'
+          'case = "mpf"\nof = "luminance"'), "no measurement states an absolute luminance"),
+    ],
+)  # fmt: skip
+def test_wrong_input_is_one_line(tmp_path, change, says):
+    assert change[0] in SMALL
+    path = written(
+        tmp_path,
+        SMALL.replace(*change),
+        c_csv="top_sheet_sigma,plate_index\n1e-4,1e-3\n1e-3,1e-4\n",
+    )
+    with pytest.raises(InputError, match=says):
+        raise InputError(refused(path))
+
+
+def test_only_values_that_change_a_case_are_sought(tmp_path):
+    path = written(tmp_path, SMALL.replace('values = ["reflector_reflectance", "top_sheet_sigma"]',
+                                           ""))  # fmt: skip
+    fit = read_fit(path)
+    stack = read_backlight(fit, path)
+    (tmp_path / "made").mkdir()
+    cases = build_cases(fit, path, stack, tmp_path / "made")
+    unknowns, active = find_unknowns(fit, path, stack, cases)
+    # A clear plate does not scatter; a luminance in cd/m² was measured.
+    assert "plate_scattering_per_mm" not in unknowns.names
+    assert {"thickness_mm", "lamp_luminance_cd_m2", "film_index"} <= set(unknowns.names)
+    assert all(row.all() for row in active.values())
+    own = SMALL.replace("[case.bef]", "[case.bef]\noverride = { top_sheet_sigma = 0.3 }")
+    path.write_text(own)
+    (tmp_path / "again").mkdir()
+    cases = build_cases(read_fit(path), path, stack, tmp_path / "again")
+    unknowns, active = find_unknowns(read_fit(path), path, stack, cases)
+    number = unknowns.names.index("top_sheet_sigma")
+    assert active["mpf"][number] and not active["bef"][number]
+
+
+def test_curves_and_cuts_are_read_with_their_errors(tmp_path):
+    x = np.arange(0, 66, 1.0)
+    light = 7000 * (1 + 0.02 * np.cos(2 * np.pi * (x - 3) / 32.69))
+    rows = "\n".join(f"{a},{b:.3f},7.0" for a, b in zip(x, light, strict=True))
+    curve = "position_mm,luminance_cd_m2,standard_error\n" + rows
+    cut = "angle_deg,luminance\n" + "\n".join(f"{a},{100 - a}" for a in range(-60, 61, 20))
+    text = SMALL + """
+[[measurement]]
+case = "mpf"
+of = "curve"
+file = "seen.csv"
+lamp_at_mm = 3.0
+scale_sigma = 0.02
+
+[[measurement]]
+case = "mpf"
+of = "cut_along"
+file = "cut.csv"
+sigma = 0.01
+"""  # fmt: skip
+    path = written(tmp_path, text, seen_csv=curve, cut_csv=cut)
+    data, notes = read_data(read_fit(path), path, 32.69)
+    cosines, mean, along = data[2:]
+    assert cosines.value[0] == pytest.approx(0.02, abs=1e-3)
+    assert np.abs(cosines.value[1:]).max() < 1e-3
+    error = cosines.covariance[0, 0] ** 0.5
+    assert error == pytest.approx(0.001 * (2 / 66) ** 0.5, rel=0.2)
+    assert mean.covariance[0, 0] ** 0.5 == pytest.approx(140, rel=0.01)
+    assert along.value.mean() == pytest.approx(1) and len(along.label) == 7
+    assert len(notes) == 1 and "66 points" in notes[0]
+    path.write_text(text.replace("sigma = 0.01", ""))
+    with pytest.raises(InputError, match=r"cut.csv: no errors: expected a third column, or sigma"):
+        read_data(read_fit(path), path, 32.69)
+
+
+def test_a_backlight_is_fitted_and_the_same_again(tmp_path, monkeypatch):
+    import mpfcad.pipeline.fit.tracer as tracer
+
+    monkeypatch.setitem(tracer.ROUND_PATHS, "quick", 1.5)
+    monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "store"))
+    path = written(tmp_path)
+    records = []
+    for number, threads in ((1, 1), (2, 2)):
+        monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / f"store{number}"))
+        folder = tmp_path / f"out{number}" / "fit"
+        records.append(fit_backlight(read_fit(path), path, folder, FitSetting("quick", threads)))
+    assert content(tmp_path / "out1" / "fit") == content(tmp_path / "out2" / "fit")
+    record = records[0]
+    rows = {row["name"]: row for row in record["values"]}
+    assert set(rows) == {"reflector_reflectance", "top_sheet_sigma", "lamp_luminance_cd_m2"}
+    assert rows["lamp_luminance_cd_m2"]["prior_sigma"] is None
+    assert 0 < rows["top_sheet_sigma"]["left"] <= 1
+    assert all(abs(row["residual"]) < 1.5 for row in record["data"])
+    assert record["measure_next"][0]["left"] <= record["measure_next"][-1]["left"]
+    folder = tmp_path / "out1" / "fit"
+    fitted = read_stack(folder / "small.toml")
+    names, matrix = read_covariance(folder / "covariance.csv")
+    assert names == ["reflector_reflectance", "top_sheet_sigma"]
+    for i, name in enumerate(names):
+        assert fitted[name] == rows[name]["value"]
+        assert fitted.quantity[name].sigma == rows[name]["sigma"]
+        assert matrix[i, i] == pytest.approx(rows[name]["sigma"] ** 2)
+    assert json.loads((folder / "fit.json").read_text())["name"] == "small"
+    assert "top_sheet_sigma" in (folder / "fit.html").read_text()
