@@ -138,8 +138,9 @@ sigma = 0.01
     cosines, mean, along = data[2:]
     assert cosines.value[0] == pytest.approx(0.02, abs=1e-3)
     assert np.abs(cosines.value[1:]).max() < 1e-3
+    # One whole pitch from lamp to lamp.
     error = cosines.covariance[0, 0] ** 0.5
-    assert error == pytest.approx(0.001 * (2 / 66) ** 0.5, rel=0.2)
+    assert error == pytest.approx(0.001 * (2 / 33) ** 0.5, rel=0.1)
     assert mean.covariance[0, 0] ** 0.5 == pytest.approx(140, rel=0.01)
     assert along.value.mean() == pytest.approx(1) and len(along.label) == 7
     assert len(notes) == 1 and "66 points" in notes[0]

@@ -1,5 +1,6 @@
 """Which values a fit seeks: those of the backlight that are not exact and change a case's scene."""
 
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,8 @@ LUMINANCE = "lamp_luminance_cd_m2"
 ABSOLUTE = ("luminance", "flux")
 #: Its standard uncertainty where none is stated, a share of it: as good as free.
 _UNKNOWN = 0.5
+#: Characters of a list of names in a message.
+_SHOWN = 120
 
 
 def find_unknowns(
@@ -47,9 +50,9 @@ def find_unknowns(
     wanted = [*(fit.values or []), *fit.free, *stated]
     wrong = [name for name in wanted if name not in names]
     if wrong:
+        known = textwrap.shorten(", ".join(names), _SHOWN, placeholder=" …")
         raise InputError(
-            f"{file}: {wrong[0]}: expected values that are not exact and change a case: "
-            f"{', '.join(names)}"
+            f"{file}: {wrong[0]}: expected values that are not exact and change a case: {known}"
         )
     if fit.values is not None:
         kept = {*fit.values, *fit.free, LUMINANCE}
