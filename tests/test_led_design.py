@@ -13,6 +13,7 @@ from mpfcad.job.led_design import is_led_design, read_led_design
 from mpfcad.optics.library.file import read_library
 from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, write_films
 from mpfcad.pipeline.led.search import TWO, LedSearch, Tried
+from mpfcad.pipeline.led.tolerance import departures
 
 
 def design(tmp_path, text="", films=2):
@@ -149,11 +150,24 @@ def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
         read_tube_plan(read_job(path), path)
 
 
+def test_what_is_tried_to_know_what_a_design_bears(tmp_path):
+    stack = read_stack("mini-led-4mm")
+    one = design(tmp_path, films=1)
+    shifts = [{"shift_x_mm": 0.16}, {"shift_y_mm": 0.16}]
+    binning = {"stack.override.led_flux_spread": 0.05, "led_repeat": 2.0}
+    resin = [{"resin_percent": 10.0}, {"resin_percent": -10.0}]
+    assert departures(one, stack) == [*shifts, *resin, binning]
+    text = "[tolerance]\nshift_mm = 0.3\nresin_percent = 0.0\nflux_percent = 0.0\n"
+    axes = ["crossed_shift_x_mm", "crossed_shift_y_mm", "board_shift_x_mm"]
+    assert departures(design(tmp_path, text), stack) == [{axis: 0.3} for axis in axes]
+
+
 @pytest.mark.slow
 def test_a_design_from_file_to_record(tmp_path):
     from mpfcad.pipeline.led.design import run_led_design
 
     text = "[search]\npaths_million = 0.3\niterations = 1\nuniform_per_mm = [60.0]\n"
+    text += "[tolerance]\npaths_million = 0.2\nflux_percent = 0\n"
     one = design(tmp_path, text)
     assert is_led_design(tmp_path / "design.toml")
     record = run_led_design(one, tmp_path / "design.toml", tmp_path / "out", effort="quick")
@@ -162,6 +176,11 @@ def test_a_design_from_file_to_record(tmp_path):
     assert {FILM, CROSSED, STACK, "curvature-cell.npz", "design.html", "manifest.json"} <= names
     low, high = record["found"]["lamp_mura_contrast"]["ci95"]
     assert 0 <= low < high < 0.2 and len(record["tried"]) == 2
+    borne = [one["departure"] for one in record["bears"]]
+    shifts = ["crossed_shift_x_mm", "crossed_shift_y_mm", "board_shift_x_mm"]
+    assert borne[:3] == [{axis: 0.16} for axis in shifts]
+    assert borne[3:] == [{"resin_percent": 10.0}, {"resin_percent": -10.0}]
+    assert "film across: shift x 0.16 mm" in (tmp_path / "out" / "design.html").read_text()
 
 
 def test_the_job_of_a_design_makes_its_films_bit_for_bit(tmp_path):

@@ -168,6 +168,54 @@ def test_what_is_for_leds_is_refused_under_tubes_and_without_a_film_across(tmp_p
         plan_of(path)
 
 
+CELLS = "[map]\ncurvature_per_mm = 40.0\n[film]\ncell = '{}'\nprofile = '{}'\n"
+
+
+@pytest.mark.parametrize(
+    ("cell", "profile"),
+    [("pyramid", "filled"), ("pyramid", "ideal"), ("paraboloid", "ideal")],
+)
+def test_equal_cells_are_a_square_that_repeats(tmp_path, cell, profile):
+    plan = plan_of(write(tmp_path, CELLS.format(cell, profile)))
+    assert plan.drawn.count == (4, 4) and plan.process is None and plan.offset == 0
+    write_cad(plan, tmp_path, ("step", "stl"), SILENT)
+    found = examine_files(tmp_path, plan, None, SILENT)
+    assert {gate.outcome for gate in found.gates} == {"PASS"}
+    # 25 µm deep over w = 25 µm: of pyramids 1/3 is left, and what C = 40 /mm fills is z = C t²/2.
+    mean = plan.drawn.mean_height - plan.drawn.base
+    t = (np.arange(20_000) + 0.5) / 20_000
+    if cell == "pyramid":
+        profile_height = 20.0 * (t * 0.025) ** 2 + 0.025 - 20.0 * 0.025**2
+        if profile == "filled":
+            profile_height = np.maximum(profile_height, 0.025 * t)
+        assert mean == pytest.approx(np.mean(2 * (1 - t) * profile_height), rel=1e-6)
+    else:
+        assert mean == pytest.approx(0.025 - 2 / 3 * 40 * 0.025**2, rel=1e-9)
+
+
+BAD_CELLS = [
+    (CELLS.format("pyramid", "filled") + "[crossed]\n", "crossed: film.cell pyramid"),
+    (CELLS.format("paraboloid", "filled"), "expected 'ideal', a mould's"),
+    (CELLS.format("pyramid", "ideal").replace("40.0", "2000.0"), "C.*2000|curvature.*2000"),
+    (SERIES + "[film]\ncell = 'pyramid'\n", "expected one curvature_per_mm"),
+]
+
+
+@pytest.mark.parametrize(("body", "match"), BAD_CELLS)
+def test_cells_that_cannot_be_are_refused_in_a_line(tmp_path, body, match):
+    with pytest.raises(InputError, match=match):
+        plan_of(write(tmp_path, body))
+
+
+@pytest.mark.slow
+def test_a_run_of_pyramids_is_verified(tmp_path, quick):
+    path = write(tmp_path, CELLS.format("pyramid", "filled"))
+    record = run_job(read_job(path), path, tmp_path / "out", effort="quick")
+    assert record["provenance"]["traced"]["file"] == "film.stl" and record["mask"] is None
+    assert "crossed" not in record and len(record["cell"]["luminance_cd_m2"]) == 24
+    assert verify_export(tmp_path / "out") == record
+
+
 @pytest.fixture
 def quick(monkeypatch):
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(0.004, 20_000))

@@ -268,28 +268,6 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
             print(f"{table['file']}: {note}")
 
 
-def print_led_design(record: dict[str, Any], folder: Path) -> None:
-    """Print the films that a design for LEDs has tried and found."""
-    for one in record["tried"]:
-        low, high = one["lamp_mura_contrast"]["ci95"]
-        mean = one["series_per_mm"][0][0]
-        print(f"tried C = {mean:.4g} /mm: {one['lamp_mura_contrast']['value']:.4f} "
-              f"[{low:.4f}, {high:.4f}]")  # fmt: skip
-    for film in record["films"]:
-        print(
-            f"film {film['size_mm'][0]:g} × {film['size_mm'][1]:g} mm: C "
-            f"{film['curvature_min_per_mm']:.4g} … {film['curvature_max_per_mm']:.4g} /mm, fill "
-            f"{film['fill_min']:.2%} … {film['fill_max']:.2%}, {film['pieces']} pieces"
-        )
-    found = record["found"]["lamp_mura_contrast"]
-    low, high = found["ci95"]
-    print(
-        f"H:P {record['height_over_pitch']:.3f}, the plate counted; traced from the files: "
-        f"lamp_mura_contrast {found['value']:.4f} [{low:.4f}, {high:.4f}]"
-    )
-    print(folder)
-
-
 def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
     """Print the figures of a measurement with their standard errors, or the whole record."""
     if as_json:

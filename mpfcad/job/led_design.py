@@ -53,6 +53,19 @@ class LedSearchTable(Table):
     paths_million: Annotated[Positive, Field(le=1000)] = 2.0
 
 
+class LedToleranceTable(Table):
+    """`[tolerance]`: departures from the design whose contrast is traced; 0 leaves one out.
+
+    `shift_mm`: none is 4 % of the LEDs' smaller pitch.
+    """
+
+    shift_mm: Annotated[float, Field(ge=0, le=100)] | None = None
+    resin_percent: Annotated[float, Field(ge=0, le=50)] = 10.0
+    flux_percent: Annotated[float, Field(ge=0, le=50)] = 5.0
+    half_width: Annotated[Positive, Field(le=1)] = 0.004
+    paths_million: Annotated[Positive, Field(le=1000)] = 4.0
+
+
 class LedDesign(Table):
     """A whole design for LEDs.
 
@@ -69,6 +82,7 @@ class LedDesign(Table):
     goal: LedGoalTable = LedGoalTable()
     constraint: LedConstraintTable = LedConstraintTable()
     search: LedSearchTable = LedSearchTable()
+    tolerance: LedToleranceTable = LedToleranceTable()
     film: FilmTable = FilmTable()
     process: ProcessTable | None = None
     mask: MaskTable | None = None

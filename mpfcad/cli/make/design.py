@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -48,7 +48,7 @@ def command(
 
 def _led(design_file: Path, out: Path | None, effort: TraceEffort, threads: Threads) -> int:
     """Find printed films for LEDs and print what they give."""
-    from mpfcad.cli.terminal import Terminal, print_led_design
+    from mpfcad.cli.terminal import Terminal
     from mpfcad.job.led_design import read_led_design
     from mpfcad.pipeline.led.design import run_led_design
 
@@ -59,5 +59,35 @@ def _led(design_file: Path, out: Path | None, effort: TraceEffort, threads: Thre
         record = run_led_design(
             design, design_file, folder, effort=chosen, threads=threads, progress=terminal
         )
-    print_led_design(record, folder)
+    _print_led(record, folder)
     return 0
+
+
+def _print_led(record: dict[str, Any], folder: Path) -> None:
+    """Print the films that a design for LEDs has tried and found."""
+    from mpfcad.report.page.led_page import departure_words
+
+    for one in record["tried"]:
+        low, high = one["lamp_mura_contrast"]["ci95"]
+        mean = one["series_per_mm"][0][0]
+        print(f"tried C = {mean:.4g} /mm: {one['lamp_mura_contrast']['value']:.4f} "
+              f"[{low:.4f}, {high:.4f}]")  # fmt: skip
+    for film in record["films"]:
+        print(
+            f"film {film['size_mm'][0]:g} × {film['size_mm'][1]:g} mm: C "
+            f"{film['curvature_min_per_mm']:.4g} … {film['curvature_max_per_mm']:.4g} /mm, fill "
+            f"{film['fill_min']:.2%} … {film['fill_max']:.2%}, {film['pieces']} pieces"
+        )
+    found = record["found"]["lamp_mura_contrast"]
+    low, high = found["ci95"]
+    print(
+        f"H:P {record['height_over_pitch']:.3f}, the plate counted; traced from the files: "
+        f"lamp_mura_contrast {found['value']:.4f} [{low:.4f}, {high:.4f}]"
+    )
+    for one in record["bears"]:
+        low, high = one["lamp_mura_contrast"]["ci95"]
+        print(
+            f"with {departure_words(one['departure'])}: {one['lamp_mura_contrast']['value']:.4f} "
+            f"[{low:.4f}, {high:.4f}]"
+        )
+    print(folder)

@@ -24,6 +24,7 @@ from mpfcad.pipeline.led.film import (
     write_films,
 )
 from mpfcad.pipeline.led.search import LedSearch, Tried
+from mpfcad.pipeline.led.tolerance import find_tolerances
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
@@ -92,6 +93,8 @@ def run_led_design(
             text = (folder / STACK).read_text("utf-8")
             (copy / STACK).write_text(text.replace(base(out), base(copy), 1), "utf-8")
             found = _trace(copy, run, setting.half_width_goal)
+        tables = job_tables(design, best.map)
+        bears = find_tolerances(design, design_file, stack, tables, count, progress)
         record = {
             "schema": 1,
             "name": design.name,
@@ -105,6 +108,7 @@ def run_led_design(
             "tried": [_describe_tried(one) for one in search.tried],
             "effort": effort,
             "found": describe_cell(found, run.seed),
+            "bears": bears,
         }
         write_text(folder / RECORD, canonical_json(record))
         write_job(folder / f"{design.name}.toml", design, design_file, base(out), best.map)
@@ -120,18 +124,9 @@ def write_job(
     """Write the job of the map that was found; a stack's file is `stack` from beside the job."""
     import tomli_w
 
-    tables = design.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    document: dict[str, Any] = {
-        "schema": 1,
-        "name": design.name,
-        # Another than the search's: the map was chosen by that one's noise.
-        "seed": design.seed + 1,
-        "map": {"series_per_mm": found.coefficient.tolist()},
-        **({"crossed": {}} if design.films == 2 else {}),
-        **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
-        "cad": {"levels": design.constraint.levels, "piece_mm": design.constraint.piece_mm},
-        "stack": {**tables["stack"], **({"file": stack} if design.stack.file else {})},
-    }
+    document = job_tables(design, found)
+    if design.stack.file:
+        document["stack"]["file"] = stack
     calibration = document.get("process", {}).get("calibration")
     if calibration is not None:
         document["process"]["calibration"] = os.path.relpath(
@@ -140,6 +135,22 @@ def write_job(
     build_job(document, str(design_file))
     head = f"# Found by mpfcad design {design_file.name}\n# mpfcad run {path.name}\n"
     write_text(path, head + tomli_w.dumps(document))
+
+
+def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
+    """Return the document of the job of a map, its files as the design names them."""
+    tables = design.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    return {
+        "schema": 1,
+        "name": design.name,
+        # Another than the search's: the map was chosen by that one's noise.
+        "seed": design.seed + 1,
+        "map": {"series_per_mm": found.coefficient.tolist()},
+        **({"crossed": {}} if design.films == 2 else {}),
+        **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
+        "cad": {"levels": design.constraint.levels, "piece_mm": design.constraint.piece_mm},
+        "stack": dict(tables["stack"]),
+    }
 
 
 def _trace(folder: Path, run: TraceRun, goal: float) -> CellResult:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
-from mpfcad.film import CurvatureMap, CurvatureSeries, read_curvature_cell
+from mpfcad.film import CurvatureMap, CurvatureSeries, check_curvature, read_curvature_cell
 from mpfcad.job import CadTable, Job, MapTable
-from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure
+from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure, PrintError
 from mpfcad.pipeline.plan.groove_map import read_map
 
 #: Curvatures of a library, and length of its pieces [mm], unless the job says.
@@ -128,12 +128,35 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
     if job.film.profile != "filled" or not job.film.is_plain:
         raise InputError(
             f"{where}: film: under LEDs a film is held as pieces of grooves: expected profile "
-            "'filled', without cells or imperfections"
+            "'filled', without imperfections"
         )
     if stack.resin_scatters:
         raise InputError(f"{where}: resin: scatters: expected a clear resin under LEDs")
     if job.wants_confidence:
         raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
+
+
+def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArray[np.float64]:
+    """Return C of each row of equal pyramids or dishes over a panel of LEDs, (count,) [1/mm].
+
+    Raises
+    ------
+    InputError
+        that begins with `where`, for what such a film does not have: a pattern, a film across.
+    """
+    curvature, cell = job.map.curvature_per_mm, job.film.cell
+    if curvature is None:
+        raise InputError(f"{where}: map: film.cell {cell}: expected one curvature_per_mm")
+    if job.crossed is not None:
+        raise InputError(f"{where}: crossed: film.cell {cell}: expected to be left out")
+    if job.wants_confidence:
+        raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
+    if any(film != PrintError() for film in departure.films):
+        raise InputError(
+            f"{where}: film.cell {cell}: is not printed: expected no axis of registration or print"
+        )
+    check_curvature(curvature, job.film.groove, job.film.profile, f"{where}: map.curvature_per_mm")
+    return np.full(count, curvature)
 
 
 def refuse_cell_map(job: Job, where: str) -> None:

@@ -15,6 +15,9 @@ from mpfcad.pipeline.plan.made import Drawn, draw_piece
 from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.size import groove_count, refuse_mesh
 
+#: Equal cells along each side of what is traced under LEDs.
+_EQUAL = 4
+
 
 class Laid(NamedTuple):
     """A map laid onto the panel, and its part that the CAD files hold; as `Plan` has them."""
@@ -118,6 +121,10 @@ def _cut_piece(job: Job, stack: Stack, panel: PrismFilm) -> tuple[int, PrismFilm
     if job.cad.extent == "panel":
         return 0, panel
     pitch = panel.groove.pitch
+    if stack.period.along > 0:
+        # Equal cells under LEDs: a small square that repeats is the whole film.
+        count = min(_EQUAL, panel.groove_count)
+        return 0, panel.cut(0, count, count * pitch)
     count = min(groove_count(stack.period.across, pitch), panel.groove_count)
     first = round(stack.origin[0] / pitch)
     first = min(max(first, 0), panel.groove_count - count)

@@ -20,7 +20,13 @@ from mpfcad.film import (
     write_curvature_map,
 )
 from mpfcad.job import Job, build_job
-from mpfcad.pipeline.plan.cell import crossed_layer, refuse_cell_map, turned_job, with_crossed
+from mpfcad.pipeline.plan.cell import (
+    crossed_layer,
+    even_cells,
+    refuse_cell_map,
+    turned_job,
+    with_crossed,
+)
 from mpfcad.pipeline.plan.cell_map import read_cell_film_map, restore_cell_film_map
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
@@ -181,7 +187,9 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     panel_map: PanelMap
-    if stack.period.along > 0:
+    if stack.period.along > 0 and job.film.cell != "groove":
+        panel_map = GrooveMap(even_cells(job, departure, count, str(job_file)))
+    elif stack.period.along > 0:
         panel_map = read_cell_film_map(job, job_file, stack, departure)
     elif has_field(job, job_file):
         assert job.map.file is not None  # a map C(x, y) is a file
@@ -243,7 +251,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
     panel_map: PanelMap
-    if stack.period.along > 0:
+    if stack.period.along > 0 and job.film.cell == "groove":
         panel_map = restore_cell_film_map(job, folder, stack)
     elif (folder / FIELD_FILE).is_file():
         count = groove_count(stack.panel_width, groove.pitch)

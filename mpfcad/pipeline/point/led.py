@@ -115,6 +115,8 @@ def compile_for_cell(plan: Plan) -> None:
 def _light(plan: Plan, folder: Path) -> "Lit":
     """Return a plan's films, written into a folder and read back, in its stack."""
     from mpfcad.measure import light_film
+    from mpfcad.pipeline.kind import kind_of
 
-    write_cad(plan, folder, ("3mf",), SILENT)
-    return light_film(plan.lit_stack(folder), folder / plan.file("film", "3mf"), plan.offset)
+    traced = kind_of(plan.drawn, plan.job.cad).run_formats[-1]
+    write_cad(plan, folder, (traced,), SILENT)
+    return light_film(plan.lit_stack(folder), folder / plan.file("film", traced), plan.offset)

@@ -33,6 +33,7 @@ def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> No
         result=_result(record),
         light=plot(cell_figure(record["found"]["cell"]), "light"),
         films=[_film(film, number) for number, film in enumerate(films, 1)],
+        bears=[_borne(one) for one in record["bears"]],
         tried=[_tried(one) for one in record["tried"]],
     )
     path.write_bytes(page.encode())
@@ -66,6 +67,30 @@ def _film(film: ShownFilm, place: int) -> Record:
         "dimensions": draw_dimensions(kind.as_grooves(film.piece), 0),
         "section_title": kind.section_title,
     }
+
+
+def departure_words(departure: Record) -> str:
+    """Return a departure from the design in words."""
+    return ", ".join(_words(name.rpartition(".")[2], value) for name, value in departure.items())
+
+
+def _words(name: str, value: float) -> str:
+    if name == "led_flux_spread":
+        return f"LED flux spread {value:.3g}"
+    if name == "led_repeat":
+        return f"over {value:g} × {value:g} cells"
+    thing, _, unit = name.rpartition("_")
+    shown = f"{value:+g} %" if unit == "percent" else f"{value:g} {unit}"
+    return f"{thing.replace('_', ' ').replace('crossed', 'film across:')} {shown}"
+
+
+def _borne(one: Record) -> list[str]:
+    return [
+        departure_words(one["departure"]),
+        with_interval(one["lamp_mura_contrast"], 4),
+        with_interval(one["mean_luminance_cd_m2"], 0),
+        one["outcome"],
+    ]
 
 
 def _tried(one: Record) -> list[str]:
