@@ -1,16 +1,21 @@
 """The loop after the print: a measured luminance of an export's print, and the next map's job."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight import Stack, read_stack
+from mpfcad.backlight.written import stack_tables
+from mpfcad.confidence import read_covariance
 from mpfcad.design import Constraint, Grid, Response
 from mpfcad.design.reprint import Reprint, Seen, find_reprint
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
+from mpfcad.export.manifest import kind_of
 from mpfcad.film import Process
 from mpfcad.job import build_job
 from mpfcad.job.design import JOB_TABLES, Design
@@ -38,13 +43,15 @@ def correct_print(
     out: Path,
     *,
     process_file: Path | None = None,
+    stack_file: Path | None = None,
     threads: int | None = None,
     progress: Progress = SILENT,
 ) -> dict[str, Any]:
     """Write the job of the next map into `out` and return its record.
 
     `process_file`: a calibration from coupons of this print; the printed curvature is then what it
-    makes of the mask's aperture ratios.
+    makes of the mask's aperture ratios. `stack_file`: the backlight that `mpfcad fit` found with
+    this print, in the place of the export's.
 
     Raises
     ------
@@ -53,6 +60,8 @@ def correct_print(
     """
     refuse_foreign(out.resolve(), "correct")
     plan = _plan(export)
+    if stack_file is not None:
+        plan = replace(plan, stack=_fitted(plan, stack_file))
     if judging.lamp is None:
         raise InputError(
             "--lamp-at-mm: expected a lamp's place in the measurement: a curve alone does not tell "
@@ -75,7 +84,7 @@ def correct_print(
         "curvature_limits_per_mm": [constraint.curvature_min, constraint.curvature_max],
     }
     with export_folder(out, "correct") as folder:
-        _write_job(folder, plan, reprint, process_file)
+        _write_job(folder, plan, reprint, process_file, stack_file)
         _write_difference(folder, plan, process, reprint)
         write_text(folder / "correct.json", canonical_json(record))
         write_manifest(folder, record["name"], "correct")
@@ -93,15 +102,34 @@ def _plan(export: Path) -> Plan:
         "film.profile: no print makes it" if plan.process is None
         else "map: varies along the grooves" if plan.printed.varies_along
         else f"map.extent: {job.map.extent}" if job.map.extent != "pitch"
-        else "stack.file: the job has a stack of its own" if job.stack.file is not None
         else None
     )  # fmt: skip
     if wrong:
         raise InputError(
-            f"{export}: {wrong}: expected a printed film of grooves, a map over the lamp pitch and "
-            "a preset's stack"
+            f"{export}: {wrong}: expected a printed film of grooves and a map over the lamp pitch"
         )
     return plan
+
+
+def _fitted(plan: Plan, file: Path) -> Stack:
+    """Return the stack of a file in the place of the plan's, with what the job states of the film.
+
+    Raises
+    ------
+    InputError
+        when its lamps stand otherwise.
+    """
+    job = plan.job
+    own = job.resin.document() if job.resin else {}
+    if job.film.refractive_index is not None:
+        own["film_index"] = job.film.refractive_index
+    stack = read_stack(file, overrides=own)
+    if stack.period != plan.stack.period:
+        raise InputError(
+            f"{file}: lamp pitch {stack.period.across:g} mm: expected the export's "
+            f"{plan.stack.period.across:g} mm"
+        )
+    return stack
 
 
 def _process(plan: Plan, file: Path | None) -> Process:
@@ -195,8 +223,14 @@ def _record(plan: Plan, found: ObservedPitch, reprint: Reprint, limit: float) ->
     }  # fmt: skip
 
 
-def _write_job(folder: Path, plan: Plan, reprint: Reprint, process_file: Path | None) -> None:
-    """Write map and job; the calibration that was used goes with them."""
+def _write_job(
+    folder: Path,
+    plan: Plan,
+    reprint: Reprint,
+    process_file: Path | None,
+    stack_file: Path | None,
+) -> None:
+    """Write map and job; the calibration and the backlight that were used go with them."""
     import tomli_w
 
     name = f"{plan.job.name[:50]}-corrected"
@@ -209,6 +243,13 @@ def _write_job(folder: Path, plan: Plan, reprint: Reprint, process_file: Path | 
     if text is not None:
         write_text(folder / "process.toml", text)
         document["process"] = {**document.get("process", {}), "calibration": "process.toml"}
+    if stack_file is not None or plan.job.stack.file is not None:
+        write_text(folder / "stack.toml", tomli_w.dumps(stack_tables(plan.stack)))
+        document["stack"] = {"file": "stack.toml"}
+    if stack_file is not None and kind_of(stack_file.parent) == "fit":
+        names, matrix = read_covariance(stack_file.parent / "covariance.csv")
+        together = {"names": names, "matrix": matrix.tolist()}
+        document["confidence"] = {**document.get("confidence", {}), **together}
     build_job(document, name)
     write_text(folder / f"{name}.toml", tomli_w.dumps(document))
 

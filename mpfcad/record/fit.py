@@ -32,6 +32,7 @@ def describe_fit(name: str, fitted: Fitted) -> dict[str, Any]:
 
     posterior, unknowns = fitted.found.posterior, fitted.unknowns
     unit = unknowns.unit(posterior.steps)
+    data = [row for number in range(len(fitted.data)) for row in _datum(fitted, number)]
     freedom = posterior.freedom - int(np.count_nonzero(unknowns.is_free))
     return {
         "schema": FIT_SCHEMA,
@@ -41,7 +42,8 @@ def describe_fit(name: str, fitted: Fitted) -> dict[str, Any]:
             "names": unknowns.names,
             "matrix": (posterior.covariance * np.outer(unit, unit)).tolist(),
         },
-        "data": [row for number in range(len(fitted.data)) for row in _datum(fitted, number)],
+        "data": data,
+        "mostly_traces": sum(row["share_of_trace_noise"] > 0.5 for row in data),
         "chi2": posterior.chi2,
         "degrees_of_freedom": freedom,
         "probability": float(chdtrc(freedom, posterior.chi2)) if freedom > 0 else None,

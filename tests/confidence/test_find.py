@@ -119,6 +119,16 @@ def test_a_covariance_of_no_input_is_refused(made):
         variants.factors()
 
 
+def test_a_fits_covariance_may_name_what_this_scene_does_not_use(made):
+    # A clear plate does not scatter; the fit saw a diffusing one too.
+    names = ["thickness_mm", "plate_scattering_per_mm"]
+    table = {"names": names, "matrix": [[0.04, 0.001], [0.001, 0.0025]]}
+    _, variants = made(confidence=table)
+    factors = {factor.name: factor.sigma for factor in variants.factors()}
+    assert factors["thickness_mm"] == pytest.approx(0.2)
+    assert "plate_scattering_per_mm" not in factors
+
+
 @pytest.mark.slow
 def test_confidence_is_the_same_again_at_any_number_of_threads(made, tmp_path):
     plan, _ = made(confidence={"paths_million": 0.6})

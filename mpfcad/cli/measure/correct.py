@@ -35,6 +35,14 @@ def command(
             "--process", metavar="FILE.toml", help="Process calibration from coupons of this print."
         ),
     ] = None,
+    stack: Annotated[
+        Path | None,
+        typer.Option(
+            "--stack",
+            metavar="FILE.toml",
+            help="Backlight that mpfcad fit found with this print [default: the export's].",
+        ),
+    ] = None,
     pitch_mm: Annotated[
         float | None,
         typer.Option(
@@ -67,7 +75,7 @@ def command(
     with Terminal() as terminal:
         record = correct_print(
             export, measured, judging, folder,
-            process_file=process, threads=threads, progress=terminal,
+            process_file=process, stack_file=stack, threads=threads, progress=terminal,
         )  # fmt: skip
     if json:
         print_json(record)

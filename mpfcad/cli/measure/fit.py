@@ -45,6 +45,9 @@ def command(
     if not record["settled"]:
         print(f"not settled: the last round moved the values by {record['rounds'][-1]:.2f} of "
               "their widths")  # fmt: skip
+    if record["mostly_traces"]:
+        print(f"the traces' noise is most of the error of {record['mostly_traces']} of "
+              f"{len(record['data'])} measured numbers: a higher --effort tells more")  # fmt: skip
     for row in record["predictions"]:
         low, high = row["ci95"]
         print(f"predicted: {row['name']}: {row['value']:.5g} [{low:.5g}, {high:.5g}]")

@@ -1,0 +1,30 @@
+"""A stack as the tables of a file of its own, which reads as the same stack."""
+
+from typing import Any
+
+from mpfcad.backlight.source import TubeSpec
+from mpfcad.backlight.stack import Stack
+from mpfcad.errors import InputError
+
+
+def stack_tables(stack: Stack) -> dict[str, Any]:
+    """Return title, layers, extent and values of a stack, fit for TOML; `read_stack` reads them.
+
+    Raises
+    ------
+    InputError
+        when it has layers with values or files of their own, particles, or no tubes.
+    """
+    particles = any("particle" in name for name in stack.quantity)
+    if stack.own or stack.tables or particles or stack.spec.kind != TubeSpec.kind:
+        raise InputError(
+            f"{stack.name}: layers with values of their own, BSDF tables, particles or LEDs: "
+            "expected a backlight of named layers over tubes"
+        )
+    value = {}
+    for name, entry in stack.quantity.items():
+        width = {} if entry.sigma is None else {"sigma": entry.sigma}
+        value[name] = {"value": entry.value, **width, "tag": entry.tag, "source": entry.source}
+    return {
+        "title": stack.title, "layers": list(stack.layers), "extent": stack.extent, "value": value,
+    }  # fmt: skip
