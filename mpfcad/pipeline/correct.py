@@ -20,7 +20,13 @@ from mpfcad.film import Process
 from mpfcad.job import build_job
 from mpfcad.job.design import JOB_TABLES, Design
 from mpfcad.job.reader import validate
-from mpfcad.measure.observed import ObservedPitch, curve_of_image, observe_pitch, read_curve
+from mpfcad.measure.observed import (
+    ObservedPitch,
+    askew_words,
+    curve_of_image,
+    observe_pitch,
+    read_curve,
+)
 from mpfcad.measure.observed.image import is_image, read_image
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.operators import model_operators
@@ -158,7 +164,9 @@ def _observe(measured: Path, judging: Judging, pitch: float) -> ObservedPitch:
     if is_image(measured):
         if judging.photo is None:
             raise InputError(f"{measured}: an image: expected --pixel-mm, the side of a pixel")
-        curve = curve_of_image(read_image(measured, judging.photo))
+        image = read_image(measured, judging.photo)
+        curve = curve_of_image(image)
+        askew_words(measured, image, curve)
     else:
         curve = read_curve(measured, judging.unit)
     return observe_pitch(curve, judging.pitch or pitch, judging.lamp, judging.seed)

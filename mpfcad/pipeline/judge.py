@@ -10,6 +10,7 @@ from mpfcad.gate import Gate
 from mpfcad.measure.observed import (
     LuminanceImage,
     Photo,
+    askew_words,
     curve_of_image,
     find_pitch,
     observe_cell,
@@ -17,7 +18,8 @@ from mpfcad.measure.observed import (
     read_curve,
     read_image,
 )
-from mpfcad.measure.observed.image import is_image, transposed
+from mpfcad.measure.observed.cell import means_of_sides
+from mpfcad.measure.observed.image import is_image
 from mpfcad.record.judgement import (
     describe_cell_difference,
     describe_difference,
@@ -101,6 +103,8 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
         contrast = found.contrast
     else:
         curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
+        words = "" if image is None else askew_words(path, image, curve)
+        record |= {"notes": [words]} if words else {}
         pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
         seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
         record |= {"reading": curve.reading, **describe_pitch(seen)}
@@ -161,11 +165,8 @@ def _limits(judging: Judging, predicted: dict[str, Any] | None) -> tuple[float, 
 
 def _cell_size(path: Path, image: LuminanceImage) -> tuple[float, float]:
     """Return the pitches across and along that an image shows."""
-    across, along = curve_of_image(image), curve_of_image(transposed(image))
-    return (
-        find_pitch(f"{path}: across", across.position, across.luminance),
-        find_pitch(f"{path}: along", along.position, along.luminance),
-    )
+    across, along = means_of_sides(image)
+    return find_pitch(f"{path}: across", *across), find_pitch(f"{path}: along", *along)
 
 
 def gate_of(record: dict[str, Any]) -> Gate:

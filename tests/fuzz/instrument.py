@@ -31,7 +31,7 @@ def _emission(path: Path) -> None:
 
 
 def _image(path: Path) -> None:
-    from mpfcad.measure.observed.image import Photo, curve_of_image, read_image
+    from mpfcad.measure.observed import Photo, curve_of_image, read_image
 
     curve_of_image(read_image(path, Photo(pixel=0.1)))
 

@@ -1,5 +1,6 @@
 """`mpfcad judge`: a measured luminance, curve or image, judged as a trace is."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -85,6 +86,7 @@ def command(
                         ("--cd-m2-per-count", cd_m2_per_count)):  # fmt: skip
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{name}: {value:g}: expected above 0")
+    refuse_infinite("--lamp-at-mm", lamp_at_mm)
     judging = Judging(
         photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
         unit_of(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
@@ -107,6 +109,7 @@ def photo_of(
     from mpfcad.measure.observed import Photo
     from mpfcad.units import deg
 
+    refuse_infinite("--rotation-deg", rotation_deg)
     if pixel is None:
         return None
     box = None
@@ -117,6 +120,14 @@ def photo_of(
             raise InputError(f"--crop: {crop!r}: expected four whole numbers L,T,R,B") from None
         box = (left, top, right, bottom)
     return Photo(pixel, scale, dark, flat, box, rotation_deg * deg)
+
+
+def refuse_infinite(name: str, value: float | None) -> None:
+    """Refuse nan and inf as an option's value."""
+    from mpfcad.errors import InputError
+
+    if value is not None and not math.isfinite(value):
+        raise InputError(f"{name}: {value:g}: expected a finite number")
 
 
 def unit_of(text: str | None) -> str | None:
@@ -133,7 +144,7 @@ def _pair(text: str | None) -> tuple[float, float] | None:
         return None
     try:
         across, along = (float(part) for part in text.split(","))
-        if min(across, along) <= 0:
+        if not 0 < min(across, along) <= max(across, along) < math.inf:
             raise ValueError
     except ValueError:
         raise InputError(f"--cell-mm: {text!r}: expected X,Y above 0") from None
@@ -172,6 +183,8 @@ def _print(record: dict[str, Any]) -> None:
     else:
         cell = record["cell"]
         print(f"{record['cells']} cells of {cell['across_mm']:.5g} x {cell['along_mm']:.5g} mm")
+    for note in record.get("notes", ()):
+        print(note)
     mean = record["mean_luminance_cd_m2"]
     print(f"mean luminance {mean['value']:.5g} cd/m2")
     if "against" in record:

@@ -64,7 +64,28 @@ def held_fits(fit: Fitted, noise: float, *, scaled: bool) -> list[Held]:
             found.append(_at(fit, middle, near.off, near.value, noise, scaled))
         found.sort(key=lambda held: held.off)
     least = min(held.cost for held in found)
-    return [replace(h, cost=h.cost - least) for h in found if h.cost - least <= RISE]
+    found = [replace(held, cost=held.cost - least) for held in found]
+    ends = [_end(a, b) for a, b in pairwise(found) if (a.cost <= RISE) != (b.cost <= RISE)]
+    kept = [held for held in found if held.cost <= RISE]
+    return sorted([*kept, *ends], key=lambda held: held.off)
+
+
+def _end(a: Held, b: Held) -> Held:
+    """Return where, between a fit within 95 % and one beyond, the sum of squares is at that.
+
+    Its root is taken as straight, as about a least one it is.
+    """
+    inside, outside = (a, b) if a.cost <= b.cost else (b, a)
+    roots = [math.sqrt(c) for c in (inside.cost, RISE, outside.cost)]
+    part = (roots[1] - roots[0]) / (roots[2] - roots[0])
+
+    def between(one: float, other: float) -> float:
+        return one + part * (other - one)
+
+    return Held(
+        between(inside.off, outside.off), inside.value, RISE,
+        between(inside.fill, outside.fill), between(inside.curvature, outside.curvature),
+    )  # fmt: skip
 
 
 def _at(

@@ -18,6 +18,8 @@ from mpfcad.measure.estimate import Estimate, estimate_sum
 #: Variances of the waves are tried from a quarter of the noise's in a curve of eight values a pitch
 #: up by factors of 4, or as far as the points' own.
 _STEPS, _FACTOR = 13, 4.0
+#: Steps further down that what pitches do not share is tried.
+_ALIKE = 4
 #: Points, 32 a pitch, are not smoothed from so many values a pitch, where more than such a share of
 #: the curve's variance lies above such a frequency [1/pitch].
 _SHARP, _SHARE, _FREQUENCY = 16.0, 0.003, 8.0
@@ -203,8 +205,11 @@ def _likelihoods(
         chosen = max(trials, key=rank)
         best[:] = chosen
 
+    # Pitches may be alike: what they have of their own may be nothing beside the noise.
+    own = [sizes[0] / _FACTOR**step for step in range(_ALIKE, 0, -1)] + sizes
     for group in (0, 1, 0, 1):
-        take_best(group, [best[group]._replace(variance=size) for size in sizes])
+        tried = sizes if group == 0 else own
+        take_best(group, [best[group]._replace(variance=size) for size in tried])
         take_best(group, [best[group]._replace(spectrum=i) for i in range(len(SPECTRA))])
     return found
 

@@ -2,9 +2,10 @@
 
 from mpfcad.measure.observed.cell import ObservedCell, observe_cell
 from mpfcad.measure.observed.curve import ObservedCurve, read_curve
-from mpfcad.measure.observed.image import LuminanceImage, Photo, curve_of_image, read_image
+from mpfcad.measure.observed.image import LuminanceImage, Photo, read_image
 from mpfcad.measure.observed.lamp import find_pitch
 from mpfcad.measure.observed.pitch import ObservedPitch, observe_pitch
+from mpfcad.measure.observed.stripe import askew_words, curve_of_image
 
 __all__ = [
     "LuminanceImage",
@@ -12,6 +13,7 @@ __all__ = [
     "ObservedCurve",
     "ObservedPitch",
     "Photo",
+    "askew_words",
     "curve_of_image",
     "find_pitch",
     "observe_cell",

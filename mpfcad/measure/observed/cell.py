@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.measure.cell.series import CellSeries, fit_series
 from mpfcad.measure.estimate import Estimate
-from mpfcad.measure.observed.image import LuminanceImage, curve_of_image, transposed
+from mpfcad.measure.observed.image import LuminanceImage
 from mpfcad.measure.observed.lamp import find_phase
 
 #: Terms along each axis: the mean and six harmonics.
@@ -53,10 +53,9 @@ def observe_cell(image: LuminanceImage, size: tuple[float, float], seed: int = 1
     InputError
         when the image holds fewer than four whole cells, or pixels too coarse for them.
     """
-    curves = curve_of_image(image), curve_of_image(transposed(image))
     start = [
-        find_phase(curve.position, curve.luminance, period) - period / 2
-        for curve, period in zip(curves, size, strict=True)
+        find_phase(*curve, period) - period / 2
+        for curve, period in zip(means_of_sides(image), size, strict=True)
     ]
     start = [first % period for first, period in zip(start, size, strict=True)]
     rows, columns = image.luminance.shape
@@ -77,6 +76,18 @@ def observe_cell(image: LuminanceImage, size: tuple[float, float], seed: int = 1
     covariance = _covariance(found)
     series = fit_series(found.mean(axis=0), covariance, len(found), _TERMS, False)
     return ObservedCell(size, series, series.contrast(seed), shown, len(found))
+
+
+def means_of_sides(
+    image: LuminanceImage,
+) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]:
+    """Return position [mm] and mean luminance of an upright image's columns, and of its rows."""
+    light = image.luminance
+    columns, rows = (
+        ((np.arange(count, dtype=np.float64) + 0.5) * image.pixel, light.mean(axis=axis))
+        for axis, count in ((0, light.shape[1]), (1, light.shape[0]))
+    )
+    return columns, rows
 
 
 def _cut(

@@ -1,6 +1,7 @@
 """A camera's image as luminance: dark frame, flat field, crop and rotation taken into account."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.stylus.text import read_table
-from mpfcad.measure.observed.curve import ObservedCurve
 
 IMAGES = frozenset({".tif", ".tiff", ".fits", ".fit", ".fts", ".exr"})
 _FEWEST = 16
@@ -43,11 +43,25 @@ class Photo:
 
 @dataclass(frozen=True, eq=False)
 class LuminanceImage:
-    """Luminance (rows, columns) float64 [cd/m²], of pixels of a side [mm]; columns run across."""
+    """Luminance of pixels of a side [mm].
 
-    luminance: NDArray[np.float64]
+    Attributes
+    ----------
+    straight
+        (rows, columns) float64 [cd/m²], as it was taken
+    rotation
+        [rad], counter-clockwise, from its x to across the lamps
+    """
+
+    straight: NDArray[np.float64]
     pixel: float
     reading: str
+    rotation: float = 0.0
+
+    @cached_property
+    def luminance(self) -> NDArray[np.float64]:
+        """The image turned so that columns run along the lamps, its corners cut off."""
+        return _turned(self.straight, self.rotation) if self.rotation else self.straight
 
 
 def is_image(path: Path) -> bool:
@@ -99,7 +113,6 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
             "expose less, or --crop"
         )
     if photo.rotation:
-        counts = _turned(counts, photo.rotation)
         words.append(f"turned by {np.degrees(photo.rotation):g}°")
     if min(counts.shape) < _FEWEST or not np.all(np.isfinite(counts)) or counts.mean() <= 0:
         raise InputError(
@@ -108,18 +121,7 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
         )
     words.append(f"{photo.scale:g} cd/m² a count")
     reading = f"read {path.name}: {', '.join(words)}"
-    return LuminanceImage(counts * photo.scale, photo.pixel, reading)
-
-
-def curve_of_image(image: LuminanceImage) -> ObservedCurve:
-    """Return the mean luminance of each column, its error from the scatter along the lamps.
-
-    A slow gradient along the lamps is no noise: the scatter is that of differences of neighbours.
-    """
-    value = image.luminance
-    error = np.std(np.diff(value, axis=0), axis=0, ddof=1) / np.sqrt(2 * len(value))
-    position = (np.arange(value.shape[1], dtype=np.float64) + 0.5) * image.pixel
-    return ObservedCurve(position, value.mean(axis=0), np.maximum(error, 0.0), image.reading)
+    return LuminanceImage(counts * photo.scale, photo.pixel, reading, photo.rotation)
 
 
 def _read_counts(path: Path) -> tuple[NDArray[np.float64], float | None]:
@@ -169,7 +171,7 @@ def _turned(counts: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """Return an image turned so that across the lamps is along its rows, its corners cut off."""
     from scipy.ndimage import rotate
 
-    turned = rotate(counts, -np.degrees(angle), reshape=False, order=1, cval=np.nan)
+    turned = rotate(counts, -np.degrees(angle), reshape=False, order=3, cval=np.nan)
     rows, columns = counts.shape
     sine, cosine = abs(np.sin(angle)), abs(np.cos(angle))
     # The largest upright rectangle of the same shape inside the turned one.
@@ -178,8 +180,3 @@ def _turned(counts: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     top, left = (rows - height) // 2, (columns - width) // 2
     found: NDArray[np.float64] = turned[top : top + height, left : left + width]
     return found
-
-
-def transposed(image: LuminanceImage) -> LuminanceImage:
-    """Return the image with along in place of across."""
-    return replace(image, luminance=image.luminance.T)
