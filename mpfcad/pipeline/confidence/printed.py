@@ -18,6 +18,7 @@ from mpfcad.pipeline.confidence.find import (
     describe_likely,
     variants_of,
 )
+from mpfcad.pipeline.confidence.reprint import Reprints
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
@@ -31,12 +32,13 @@ def find_printed(
 ) -> dict[str, Any] | None:
     """Return the contrast over what the process does not know of its print, in outside names.
 
-    None where the process states no width, or no changed film is made of this kind, or the
+    None where the process states no width, or the print does not set the film's resin, or the
     backlight has no endless pitch.
     """
     if plan.stack.extent != "pitch" or plan.stack.period.along != 0:
         return None
-    with variants_of(plan, folder) as variants:
+    with variants_of(plan, folder) as shipped:
+        variants = Reprints.of(shipped)
         factors = variants.print_factors()
         if not factors:
             return None

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 Check = StepCheck | MeshCheck | BodyCheck
 #: Points over a groove or a cell, and the points' distance along grooves, unless the job says.
 POINTS_PER_PITCH, DISTANCE_ALONG = 20, 50 * um
+#: Fill up to where a groove is as good as full.
+FULL = 0.999
 
 
 def step_header(table: CadTable) -> Header:
@@ -133,6 +135,20 @@ class Kind(ABC):
             for name, ratio in given.ratio.items()
         }
         return ResinCheck(by_mask, mesh_volume - self.film.bare_volume, full)
+
+    def resin_places(self, piece: PrismFilm) -> NDArray[np.float64] | None:
+        """Return the C [1/mm] that each place is printed for, `piece` as designed.
+
+        None: no print sets the resin, or no film with other resin is made of this kind.
+        """
+        return None
+
+    def reprinted(self, piece: PrismFilm, factor: NDArray[np.float64]) -> Any:
+        """Return the film with the resin of each place times `factor`; up to nearly full.
+
+        Only of a kind with `resin_places`, whose shape `factor` has.
+        """
+        raise NotImplementedError(type(self).__name__)
 
     def refuse_trace(self, printed: PanelFilm, stack: Stack, where: str) -> None:
         """Refuse to trace a piece that is not what lies beside it on the panel, `printed`.

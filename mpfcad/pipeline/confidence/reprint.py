@@ -1,0 +1,54 @@
+"""A job's film printed again with more or less resin, whatever kind of film it is."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.pipeline.confidence.variant import RESIN, TONE, Variants
+from mpfcad.pipeline.kind import kind_of
+from mpfcad.pipeline.kind.base import Kind
+
+
+class Reprints(Variants):
+    """The scenes of a job with the resin changed of each place that its print sets."""
+
+    @classmethod
+    def of(cls, variants: Variants) -> "Reprints":
+        """Return the same scenes."""
+        return cls(**{field.name: getattr(variants, field.name) for field in fields(variants)})
+
+    @cached_property
+    def _kind(self) -> Kind:
+        return kind_of(self.plan.drawn, self.plan.job.cad)
+
+    @cached_property
+    def _places(self) -> NDArray[np.float64] | None:
+        return self._kind.resin_places(self.plan.piece)
+
+    @property
+    def has_grooves(self) -> bool:
+        """Whether the print sets the resin, and a film with other resin is made."""
+        return self._places is not None and not self.stack.resin_scatters
+
+    @cached_property
+    def _modes(self) -> NDArray[np.float64] | None:
+        """What the process does not know of ln(fill) of the film's places, (k, n)."""
+        process, places = self.plan.process, self._places
+        if process is None or places is None:
+            return None
+        modes = process.fill_modes(process.aperture_ratio_of_curvature(places.ravel()))
+        return None if modes is None else modes[:2]
+
+    def _film(self, change: Mapping[str, float]) -> Path:
+        """Return the mesh of the film as shipped, or of one that is written with other resin."""
+        if self._places is None or not {RESIN, TONE} & set(change):
+            return super()._film(change)
+        factor = self._resin(change).reshape(self._places.shape)
+        changed = self._kind.reprinted(self.plan.piece, factor)
+        path = self.folder / "changed.stl"
+        kind_of(changed, self.plan.job.cad).write(path, self.plan.job.name)
+        return path
