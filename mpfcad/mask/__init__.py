@@ -11,7 +11,7 @@ from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
 from mpfcad.mask.check.check import MaskCheck, check_mask
 from mpfcad.mask.check.drc import write_markers
 from mpfcad.mask.check.preview import write_preview
-from mpfcad.mask.format.write import write_mask
+from mpfcad.mask.format.write import refuse_large, write_mask
 from mpfcad.mask.pattern.build import build_mask
 from mpfcad.mask.pattern.grooves import GrooveMask
 from mpfcad.mask.phototool import Phototool
@@ -31,6 +31,7 @@ __all__ = [
     "TileArray",
     "build_mask",
     "check_mask",
+    "refuse_large",
     "write_markers",
     "write_mask",
     "write_preview",

@@ -1,8 +1,12 @@
 """The gates as a JUnit report, which build servers show: a test case a gate."""
 
+import re
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
+
+#: Signs that no XML document may hold; a file's name may.
+_NO_XML = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
 
 
 def junit_report(record: dict[str, Any], *, changed: str | None = None) -> bytes:
@@ -24,6 +28,9 @@ def junit_report(record: dict[str, Any], *, changed: str | None = None) -> bytes
     suite.set("tests", str(len(cases)))
     suite.set("failures", str(sum(case.find("failure") is not None for case in cases)))
     suite.set("errors", "0")
+    for part in suite.iter():
+        part.text = _NO_XML.sub("?", part.text) if part.text else None
+        part.attrib.update({key: _NO_XML.sub("?", value) for key, value in part.attrib.items()})
     Xml.indent(suite)
     return Xml.tostring(suite, encoding="utf-8", xml_declaration=True) + b"\n"
 

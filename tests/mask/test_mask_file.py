@@ -15,7 +15,7 @@ from small_mask import CURVATURE, DOT, PROCESS, SLOT, build, written
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureMap
 from mpfcad.gate import demand
-from mpfcad.mask import MaskRules, Phototool, check_mask, write_mask
+from mpfcad.mask import MaskRules, Phototool, check_mask, refuse_large, write_mask
 
 CLOSED = Phototool(polarity="closed", mirror=True, emulsion_side="squeegee")
 
@@ -285,3 +285,20 @@ def test_gdstk_and_klayout_agree_on_the_open_area(tmp_path):
         polygons = library.top_level()[0].get_polygons(layer=1, datatype=0)
         assert sum(p.area() for p in polygons) == pytest.approx(wanted, rel=1e-5)
         assert flat(path).area() * 1e-6 == pytest.approx(wanted, rel=1e-5)
+
+
+def test_a_format_that_would_list_too_much_is_refused_before_anything_is_made(
+    tmp_path, monkeypatch
+):
+    """One line with the job's field, and the formats that hold the mask."""
+    mask = build(rules=SLOT)
+    refuse_large(mask, ["oas", "gds"], Phototool(), "job.toml")
+    monkeypatch.setattr("mpfcad.mask.format.write.LARGEST_FILE", 1000)
+    with pytest.raises(InputError) as refused:
+        refuse_large(mask, ["oas", "gds"], Phototool(), "job.toml")
+    words = str(refused.value)
+    assert words.startswith("job.toml: mask.formats: gds lists apertures one by one, here in ")
+    assert words.endswith("formats of oas, gbr, tif")
+    with pytest.raises(InputError, match=r"^mask\.gds: mask\.formats: gds lists"):
+        write_mask(mask, tmp_path / "mask.gds")
+    assert list(tmp_path.iterdir()) == []

@@ -1,10 +1,12 @@
 import math
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mpfcad.record import OUTCOMES, Gate, exit_code, worst_outcome
+from mpfcad.record import OUTCOMES, Gate, exit_code, junit_report, worst_outcome
+from mpfcad.report.film.wording import verdict_sentence
 
 
 def contrast(low, high):
@@ -65,3 +67,20 @@ def test_verdict_is_the_worst_gate():
 
 def test_exit_codes():
     assert [exit_code(outcome) for outcome in OUTCOMES] == [0, 0, 1, 1]
+
+
+def test_under_leds_the_verdict_speaks_of_leds():
+    gate = {"outcome": "FAIL", "value": 0.1, "limit": 0.012, "marginal_limit": 0.018}
+    assert "the lamps are visible" in verdict_sentence({"gates": [gate]})
+    assert "the LEDs are visible" in verdict_sentence({"gates": [gate], "cell": {"order": 1}})
+
+
+def test_a_junit_report_holds_only_signs_that_xml_may():
+    """A changed export may name a file as its forger likes."""
+    detail = "film\x00\x1b[31m.stl: \ud800 changed\n<&>"
+    gate = {"name": "step_valid", "outcome": "FAIL", "value": 0.0, "limit": 1.0, "ci95": None,
+            "detail": detail}  # fmt: skip
+    written = junit_report({"name": "a", "gates": [gate]}, changed=detail)
+    suite = ElementTree.fromstring(written)
+    assert suite.find("testcase/failure").get("message") == "film??[31m.stl: ? changed\n<&>"
+    assert suite.get("failures") == "2"

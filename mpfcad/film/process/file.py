@@ -38,8 +38,8 @@ PUBLISHED: dict[str, Any] = {
             "parameter"
         ),
         (
-            "the stylus's tip is not known and makes a groove look emptier: if one of 2 um radius "
-            "was not taken off, the pair means a transfer factor of 1.494, of 5 um 1.765"
+            "the stylus's tip is not known and makes a groove look emptier: if one of 2 µm radius "
+            "was not taken off, the pair means a transfer factor of 1.494, of 5 µm 1.765"
         ),
     ],
     "groove": {"pitch_um": 50.0, "depth_um": 25.0},

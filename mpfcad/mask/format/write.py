@@ -1,6 +1,6 @@
 """A mask to a file: one writer a suffix; the file takes its name only when it is whole."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,7 +81,8 @@ def write_mask(
     if not style.closes and phototool is not None and phototool.polarity == "closed":
         raise InputError(f"{path}: mask.polarity: closed: expected oas, gds, gbr, svg, tif")
     drawing = draw(mask, phototool or Phototool(), paints=style.paints)
-    _check_size(path, style, drawing)
+    if _listed_size(style, drawing) > LARGEST_FILE:
+        refuse_large(mask, [path.suffix[1:]], drawing.phototool, path.name)
     try:
         with whole_file(path) as part:
             style.write(drawing, part, *((told,) if style.tells else ()))
@@ -89,14 +90,34 @@ def write_mask(
         raise ExportError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
-def _check_size(path: Path, style: Format, drawing: Drawing) -> None:
-    """Refuse a mask that would be absurdly large."""
-    count = 0
-    for array in (*drawing.tiles, *(() if style.title == "OASIS" else drawing.arrays)):
-        listed = array.place.offset is not None
-        count += array.place.count if listed else 1
-        if count * style.place_size > LARGEST_FILE:
+def refuse_large(mask: Mask, suffixes: Iterable[str], phototool: Phototool, where: str) -> None:
+    """Refuse formats whose files would list so many apertures that they get absurdly large.
+
+    Raises
+    ------
+    InputError
+        naming the first format, and those that hold the mask.
+    """
+    drawings: dict[bool, Drawing] = {}
+
+    def size(style: Format) -> float:
+        if style.paints not in drawings:
+            drawings[style.paints] = draw(mask, phototool, paints=style.paints)
+        return _listed_size(style, drawings[style.paints])
+
+    for suffix in suffixes:
+        listed = size(FORMATS[suffix])
+        if listed > LARGEST_FILE:
+            able = ", ".join(n for n, style in FORMATS.items() if size(style) <= LARGEST_FILE)
             raise InputError(
-                f"{path}: {style.title} lists apertures one by one: over "
-                f"{LARGEST_FILE / 1024**2:.0f} MiB: expected oas for this pattern"
+                f"{where}: mask.formats: {suffix} lists apertures one by one, here in "
+                f"{listed / 1024**2:.0f} MiB: expected at most {LARGEST_FILE / 1024**2:.0f}: "
+                f"formats of {able or 'none: a longer mask.period_um'}"
             )
+
+
+def _listed_size(style: Format, drawing: Drawing) -> float:
+    """Return the bytes of the places that a file lists one by one."""
+    arrays = (*drawing.tiles, *(() if style.title == "OASIS" else drawing.arrays))
+    places = (array.place.count if array.place.offset is not None else 1 for array in arrays)
+    return style.place_size * sum(places)

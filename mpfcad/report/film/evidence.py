@@ -59,7 +59,8 @@ class Evidence:
         pitch, last = self.piece.groove.pitch, self.piece.groove_count - 1
         lamp = (self.lamp_position - self.piece.origin) / pitch
         between = lamp + self.stack.period.across / 2 / pitch
-        places = {"above the lamp": lamp, "between the lamps": between}
+        word = self.stack.source.word
+        places = {f"above the {word}": lamp, f"between the {word}s": between}
         return {title: min(max(round(at), 0), last) for title, at in places.items()}
 
     @property

@@ -8,7 +8,7 @@ from mpfcad.report.page.number import number, with_interval
 GATES = {
     "lamp_mura_contrast": (
         "Lamp-Mura contrast",
-        "(L_{max} − L_{min}) / (L_{max} + L_{min}) over one lamp pitch",
+        "(L_{max} − L_{min}) / (L_{max} + L_{min}) over one lamp pitch, or one cell of LEDs",
     ),
     "confidence": (
         "Confidence in the real backlight",
@@ -126,13 +126,13 @@ YES_NO = (
 )
 
 _SENTENCES = {
-    "PASS": "By the job's limits the lamps are invisible: the whole 95 % interval is within "
+    "PASS": "By the job's limits the {lamps} are invisible: the whole 95 % interval is within "
     "{limit}.",
-    "MARGINAL": "By the job's limits the lamps are barely visible: the whole 95 % interval is "
+    "MARGINAL": "By the job's limits the {lamps} are barely visible: the whole 95 % interval is "
     "within {marginal}, but not within {limit}.",
     "INCONCLUSIVE": "Not decided: the 95 % interval straddles the acceptance limit {marginal}. "
     "Trace longer: --effort standard or final.",
-    "FAIL": "By the job's limits the lamps are visible: the whole 95 % interval is above the "
+    "FAIL": "By the job's limits the {lamps} are visible: the whole 95 % interval is above the "
     "acceptance limit {marginal}.",
 }
 
@@ -145,7 +145,9 @@ def verdict_sentence(record: dict[str, Any]) -> str:
         what = "one closed mesh" if file == "film.stl" else "the film of instances"
         return f"Not traced: {file} does not read back as {what}."
     words = _SENTENCES[gate["outcome"]].format(
-        limit=f"{gate['limit']:g}", marginal=f"{gate['marginal_limit']:g}"
+        limit=f"{gate['limit']:g}",
+        marginal=f"{gate['marginal_limit']:g}",
+        lamps="LEDs" if record.get("cell") else "lamps",
     )
     if record.get("printability") == "phototool only":
         words += (

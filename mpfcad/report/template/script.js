@@ -16,6 +16,7 @@ const lighter = {"#0b5fa5": "#5aa9ec", "#8a6d3b": "#cba868", "#3f7f4f": "#6fc288
 const lit = text => dark.matches ? text.replace(/#[0-9a-f]{6}/g, colour => lighter[colour] ?? colour) : text;
 function draw(place, width) {
   place.figure ??= JSON.parse(place.nextElementSibling.textContent);
+  place.style.height = place.figure.layout.height + "px";
   const layout = dress(place.figure.layout, width !== undefined);
   if (width) layout.width = width;
   const narrow = (width ?? place.clientWidth) < 560;

@@ -9,7 +9,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import sha256, write_text
 from mpfcad.film import Process
 from mpfcad.job import Job
-from mpfcad.mask import Mask, Phototool
+from mpfcad.mask import Mask, Phototool, refuse_large
 from mpfcad.mask.screen.order import (
     OrderTerms,
     artwork_size,
@@ -126,6 +126,7 @@ def refuse_mask_formats(
                 f"pattern {mask.rules.pattern!r}: expected 'open', or mask.formats of "
                 f"{', '.join(able)}"
             )
+    refuse_large(mask, formats, bare_phototool(job), where)
     pixel = INCH / job.mask.tif_dpi
     if "tif" in formats and pixel / mask.length > RATIO_LIMIT:
         dpi = INCH / (RATIO_LIMIT * mask.length)
