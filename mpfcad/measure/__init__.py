@@ -10,7 +10,12 @@ from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_lu
 from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.angle.survey import Survey, survey_directions
 from mpfcad.measure.camera import CameraResult, camera_image
-from mpfcad.measure.cell.luminance import CellResult, compile_cell_tracer, luminance_over_cell
+from mpfcad.measure.cell.luminance import (
+    CellResult,
+    compile_cell_tracer,
+    luminance_over_cell,
+    trace_terms,
+)
 from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.contrast.contrast import contrast_of_curve
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
@@ -67,4 +72,5 @@ __all__ = [
     "screen_uniformity",
     "survey_directions",
     "threshold_contrast",
+    "trace_terms",
 ]

@@ -140,7 +140,34 @@ def _scale(lit: Lit, meter: "CellMeter") -> float:
     return float(element.flux / (meter.across * meter.along) * 1e6)
 
 
+def trace_terms(
+    lit: Lit, order: NDArray[np.int64], paths: float, seed: int, threads: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Return terms (n, 2) of a cell's series (`CellSeries.order`) from about so many paths.
+
+    Coefficients (n,) [cd/m²], their covariance (n, n), and the paths that were traced.
+    """
+    from mpfcad.optics.forward.connection import TERMS, CellMeter
+    from mpfcad.optics.forward.engine import BLOCK, trace_forward
+
+    meter = CellMeter(lit.stack.acceptance, *lit.stack.period, BINS)
+    blocks = max(_LEAST_BLOCKS, round(paths / BLOCK))
+    tally = trace_forward(lit.scene, meter, blocks, seed=seed, threads=threads)
+    coefficient, covariance = _terms(lit, meter, tally)
+    chosen = order @ (TERMS, 1)
+    return coefficient[chosen], covariance[np.ix_(chosen, chosen)], tally.paths
+
+
 def _series(lit: Lit, meter: "CellMeter", tally: "CellTally", mirrored: bool) -> CellSeries:
+    from mpfcad.optics.forward.connection import TERMS
+
+    return fit_series(*_terms(lit, meter, tally), tally.blocks, TERMS, mirrored)
+
+
+def _terms(
+    lit: Lit, meter: "CellMeter", tally: "CellTally"
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return all coefficients (TERMS²,) [cd/m²] and their covariance."""
     from mpfcad.optics.forward.connection import TERMS
     from mpfcad.optics.forward.engine import BLOCK
 
@@ -150,7 +177,7 @@ def _series(lit: Lit, meter: "CellMeter", tally: "CellTally", mirrored: bool) ->
     # A term's mean square is ½ an axis where it is no constant.
     axis = np.where(np.arange(TERMS) > 0, 2.0, 1.0)
     factor = _scale(lit, meter) / BLOCK * np.outer(axis, axis).ravel()
-    return fit_series(factor * mean, covariance * np.outer(factor, factor), blocks, TERMS, mirrored)
+    return factor * mean, covariance * np.outer(factor, factor)
 
 
 def _map(tally: "CellTally", scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -10,14 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from mpfcad.confidence import draw_steps
-from mpfcad.measure import LuminanceResult
+from mpfcad.confidence import Response, draw_steps
+from mpfcad.film import PieceLibrary
+from mpfcad.measure import CellResult, LuminanceResult
 from mpfcad.pipeline.confidence.find import (
     describe_effect,
     describe_factor,
     describe_likely,
     variants_of,
 )
+from mpfcad.pipeline.confidence.printed_cell import CellRuns
 from mpfcad.pipeline.confidence.reprint import Reprints
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
 from mpfcad.pipeline.plan.plan import Plan
@@ -28,13 +30,19 @@ _SHARE = 0.2
 
 
 def find_printed(
-    folder: Path, plan: Plan, luminance: LuminanceResult, threads: int, progress: Progress
+    folder: Path,
+    plan: Plan,
+    luminance: LuminanceResult | CellResult,
+    threads: int,
+    progress: Progress,
 ) -> dict[str, Any] | None:
     """Return the contrast over what the process does not know of its print, in outside names.
 
     None where the process states no width, or the print does not set the film's resin, or the
-    backlight has no endless pitch.
+    backlight has no endless pitch. Under LEDs all films have more or less resin together.
     """
+    if isinstance(luminance, CellResult):
+        return _find_cell(plan, luminance, threads, progress)
     if plan.stack.extent != "pitch" or plan.stack.period.along != 0:
         return None
     with variants_of(plan, folder) as shipped:
@@ -45,6 +53,24 @@ def find_printed(
         progress.stage("tracing the film with less and more resin")
         runs = Runs(variants, factors, reading_of(luminance), plan.job.seed, threads, progress)
         response = runs.respond_alone(_SHARE * luminance.paths)
+    return _describe(plan, runs, response)
+
+
+def _find_cell(
+    plan: Plan, luminance: CellResult, threads: int, progress: Progress
+) -> dict[str, Any] | None:
+    films = [film.drawn for film in plan.films if isinstance(film.drawn, PieceLibrary)]
+    if len(films) < len(plan.films):
+        return None
+    runs = CellRuns(plan, films, luminance, threads, progress)
+    if not runs.factors:
+        return None
+    progress.stage("tracing the films with less and more resin")
+    return _describe(plan, runs, runs.respond_alone(_SHARE * luminance.paths))
+
+
+def _describe(plan: Plan, runs: Runs, response: Response) -> dict[str, Any]:
+    factors = runs.factors
     steps = draw_steps(factors, np.eye(len(factors)), plan.job.seed)
     return {
         **describe_likely(plan, response, steps),

@@ -70,7 +70,7 @@ class Runs:
 
     def __init__(
         self,
-        variants: Variants,
+        variants: Variants | None,
         factors: list[Factor],
         reading: Reading,
         seed: int,
@@ -164,6 +164,7 @@ class Runs:
         from mpfcad.optics.engine import trace
         from mpfcad.optics.source import EYE, Source
 
+        assert self.variants is not None  # of runs of other scenes there are none
         lit = self.variants.light(dict(zip(self.factors, steps.tolist(), strict=True)))
         stack = lit.stack
         source = Source(

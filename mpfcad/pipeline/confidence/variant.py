@@ -33,7 +33,7 @@ _REASON = {
     BASE: "thickness below the prisms",
 }
 #: Fill up to where a groove is as good as full.
-_FULL = 0.999
+FULL = 0.999
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +205,7 @@ class Variants:
         piece = self.plan.piece
         groove = replace(piece.groove, depth=piece.groove.depth + change.get(DEPTH, 0.0) / 1000)
         fill = piece.fill_fraction * self._resin(change)
-        curvature = groove.curvature_of_fill(np.clip(fill, 0, _FULL))
+        curvature = groove.curvature_of_fill(np.clip(fill, 0, FULL))
         base = piece.base + change.get(BASE, 0.0) / 1000
         return replace(piece, groove=groove, base=base, curvature=curvature)
 

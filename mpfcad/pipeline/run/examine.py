@@ -179,11 +179,10 @@ def examine(
         lit = light_baseline(plan.job.cad.angle_tolerance, preset)
         baseline = trace_luminance(lit, run, setting.half_width_goal)
     confidence = printed = None
-    if isinstance(luminance, LuminanceResult):
-        if plan.job.wants_confidence:
-            confidence = find_confidence(folder, plan, luminance, run.threads, progress)
-        else:
-            printed = find_printed(folder, plan, luminance, run.threads, progress)
+    if isinstance(luminance, LuminanceResult) and plan.job.wants_confidence:
+        confidence = find_confidence(folder, plan, luminance, run.threads, progress)
+    elif luminance is not None:
+        printed = find_printed(folder, plan, luminance, run.threads, progress)
     found = own.files
     return Findings(
         found.mask, found.step, found.mesh, found.agreement, found.gates,

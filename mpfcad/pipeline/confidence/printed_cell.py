@@ -1,0 +1,113 @@
+"""Films under LEDs with the resin that their process may give them, and their light in short runs.
+
+All films of a job are printed by one process, so they have more resin, or less, together.
+"""
+
+import tempfile
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.confidence import Factor
+from mpfcad.film import PieceLibrary, build_library
+from mpfcad.measure import POINTS, CellResult, Lit, light_film, trace_terms
+from mpfcad.pipeline.confidence.runs import Reading, Runs
+from mpfcad.pipeline.confidence.variant import FULL, RESIN, TONE
+from mpfcad.pipeline.plan.cell import LEVELS
+from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.progress import SILENT, Progress
+
+#: Curvatures between the least and the most of the films at which the process is asked, and places
+#: along each side of the cell where the light is read.
+_ASKED, _FINE = 64, 24
+#: Paths of a block of a trace over a pitch.
+_PITCH_BLOCK = POINTS * 512
+
+
+class CellRuns(Runs):
+    """Traces of a plan under LEDs with other resin, all with the same random numbers."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        films: list[PieceLibrary],
+        found: CellResult,
+        threads: int,
+        progress: Progress,
+    ) -> None:
+        self.plan, self.films, self.series = plan, films, found.series
+        wanted = np.concatenate([film.wanted.ravel() for film in films])
+        self.asked = np.linspace(wanted.min(), wanted.max(), _ASKED)
+        super().__init__(None, self._factors(), _reading(found), plan.job.seed, threads, progress)
+
+    @cached_property
+    def modes(self) -> NDArray[np.float64] | None:
+        """What the process does not know of ln(fill) at the asked curvatures, (k, n)."""
+        process = self.plan.process
+        if process is None:
+            return None
+        modes = process.fill_modes(process.aperture_ratio_of_curvature(self.asked))
+        return None if modes is None else modes[:2]
+
+    def _factors(self) -> list[Factor]:
+        if self.modes is None or self.plan.process is None:
+            return []
+        source = f"resin of the films, by the process: {self.plan.process.source}"
+        size = 100 * np.sqrt(np.mean(self.modes**2, axis=1))
+        return [
+            Factor(name, 0.0, float(one), source=source, is_curved=True)
+            for name, one in zip((RESIN, TONE), size, strict=False)
+            if one > 0
+        ]
+
+    def changed(self, library: PieceLibrary, steps: NDArray[np.float64]) -> PieceLibrary:
+        """Return a film with other resin, `steps` of the factors in units of sigma."""
+        assert self.modes is not None  # without modes there are no factors
+        more = np.zeros(_ASKED)
+        for mode, step in zip(self.modes, steps, strict=False):
+            more += mode * step
+        groove, wanted = library.groove, library.wanted
+        fill = np.asarray(groove.fill_fraction(wanted))
+        fill = fill * np.exp(np.interp(wanted, self.asked, more))
+        curvature = np.asarray(groove.curvature_of_fill(np.clip(fill, 0.0, FULL)))
+        levels = LEVELS if self.plan.job.cad.levels is None else self.plan.job.cad.levels
+        curvature = np.minimum(curvature, groove.curvature_empty)
+        return build_library(groove, library.base, library.length, curvature, levels)
+
+    def light(self, steps: NDArray[np.float64]) -> Lit:
+        """Return the films with other resin, written and read back, in the job's stack."""
+        from mpfcad.pipeline.run.make import write_cad
+
+        drawn = [self.changed(film, steps) for film in self.films]
+        films = [replace(one, drawn=film) for one, film in zip(self.plan.films, drawn, strict=True)]
+        across = films[1] if len(films) > 1 else None
+        plan = replace(films[0], crossed=across)
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
+            write_cad(plan, folder, ("3mf",), SILENT)
+            return light_film(plan.lit_stack(folder), folder / plan.file("film", "3mf"))
+
+    def _trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
+        """Return the coefficients of a run over its mean, and their covariance."""
+        paths = blocks * _PITCH_BLOCK
+        lit = self.light(steps)
+        value, covariance, traced = trace_terms(
+            lit, self.series.order, paths, self.seed, self.threads
+        )
+        self.paths += traced
+        return value[1:] / value[0], covariance[1:, 1:] / value[0] ** 2
+
+
+def _reading(found: CellResult) -> Reading:
+    """Return the cell's own coefficients over their mean, and where the light is read."""
+    series = found.series
+    fine = np.arange(_FINE) / _FINE
+    u, v = (part.ravel() for part in np.meshgrid(fine, fine, indexing="ij"))
+    mean = series.coefficient[0]
+    return Reading(
+        np.zeros((0, 0)), series.at(u, v)[:, 1:], series.coefficient[1:] / mean,
+        series.covariance[1:, 1:] / mean**2, False,
+    )  # fmt: skip
