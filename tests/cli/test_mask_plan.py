@@ -57,6 +57,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
     for gate in ("ripple_luminance",):  # 1 mm of period, 1 mm of levelling
         assert f"FAIL         screen_{gate} " in result.stdout
     assert "printability: FAIL" in result.stdout
+    assert "screens that print this map: mpfcad mask job.toml --propose" in result.stdout
     screen = json.loads((tmp_path / "out" / "screen.json").read_text())
     mesh = screen["mesh"]
     volume = mesh["open_area"] * mesh["thickness_um"] + 4

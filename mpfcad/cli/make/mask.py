@@ -112,6 +112,8 @@ def command(
     with Terminal() as terminal:
         screen = make_planned_mask(planned, job_file, folder, chosen, terminal)
     print_gates(screen)
+    if screen["printability"] == "FAIL" and job_file.is_file():
+        print(f"screens that print this map: mpfcad mask {job_file} --propose")
     for one in planned.masks:
         for name in (*(f"{one.stem}.{suffix}" for suffix in chosen), one.order_file):
             print(folder / name)
