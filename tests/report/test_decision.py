@@ -3,9 +3,12 @@
 import html
 import re
 
+import numpy as np
 import pytest
 
+from mpfcad.report.drawing.strip import strip_of
 from mpfcad.report.film.decision import decision_values
+from mpfcad.report.film.section import _pitch_rows
 from mpfcad.report.page.environment import render
 
 
@@ -73,6 +76,19 @@ def test_the_page_says_what_the_film_is_compared_with(stack, words, rows):
     assert words in text
     assert "share of the baseline's luminance" in text
     assert len(decision_values(found)["scale"]["rows"]) == rows
+
+
+def test_a_panel_s_page_says_which_pitch_was_judged_and_repeats_none():
+    words = "worst pitch 3 of 4, 20.0 to 28.0 mm from the left"
+    row = {"value": 0.01, "ci95": [0.0, 0.02], "from_to_mm": [20.0, 28.0], "judged": True}
+    curve = {"luminance_cd_m2": [7000.0 + 10 * i for i in range(33)]}
+    found = record(0.001, 0.008, "PASS", judged={"words": words}, pitches=[row], curve=curve)
+    text = shown(found)
+    assert f"Contrast: {words}. Luminance, pictures and curves: the panel's middle." in text
+    assert "one pitch, repeated" not in text
+    assert "the lamp pitch in the panel's middle" in text
+    assert len(np.unique(strip_of(found))) == strip_of(found).size
+    assert _pitch_rows(found) == [["20.0 … 28.0", "0.0100 [0.0000, 0.0200]", "yes"]]
 
 
 def test_confidence_says_how_sure_and_what_it_hangs_on():

@@ -11,6 +11,7 @@ import pytest
 
 from mpfcad.export import write_manifest
 from mpfcad.report.view import ViewServer, find_exports
+from mpfcad.report.view.gallery import comparison_page
 
 CURVE = [1.0 + 0.001 * (i % 3) for i in range(33)]
 
@@ -160,3 +161,20 @@ def test_command_prints_its_address_and_ends_with_ctrl_c(exports):
         assert connection.getresponse().read() == b"<title>good</title>"
         process.send_signal(signal.SIGINT)
         assert process.wait(20) == 0
+
+
+def test_a_run_under_leds_is_compared_with_another(tmp_path):
+    """It has a cell in place of a pitch, and so no curve over the pitch."""
+    for place in ("board", "tubes"):
+        found = record(place, 0.004)
+        if place == "board":
+            del found["curve"]
+            found["cell"] = {"across_mm": 4.0, "along_mm": 4.0}
+            found["fit"] = {"order": [[0, 0], [1, 0]], "coefficient_cd_m2": [7000.0, 20.0]}
+        (tmp_path / place).mkdir()
+        (tmp_path / place / "verification.json").write_text(json.dumps(found))
+        write_manifest(tmp_path / place, place, "run")
+    page = comparison_page(tmp_path, ["board", "tubes"])
+    assert page and "Seen from straight above" in page and page.count('id="plot-pitch"') == 1
+    assert comparison_page(tmp_path, ["board", "board"]) is not None
+    assert 'id="plot-pitch"' not in str(comparison_page(tmp_path, ["board", "board"]))

@@ -19,18 +19,18 @@ ROWS = 2
 _REACHES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
 
-def strip_position() -> NDArray[np.float64]:
+def strip_position(pitches: int) -> NDArray[np.float64]:
     """Return the positions of a strip's columns within the pitch, (WIDTH,) float64, 0…1."""
-    return (np.arange(WIDTH) + 0.5) / WIDTH * PITCHES % 1.0
+    return (np.arange(WIDTH) + 0.5) / WIDTH * pitches % 1.0
 
 
 def strip_of(found: dict[str, Any]) -> NDArray[np.float64]:
     """Return the luminance [cd/m²] of a trace on a strip's pixels, (rows, WIDTH) float64.
 
     One row where nothing changes along the lamps; of a cell of LEDs `ROWS` cells, the fitted
-    series of cosines and sines.
+    series of cosines and sines. A pitch of a finite panel stands alone: the next one differs.
     """
-    across = strip_position()
+    across = strip_position(1 if found.get("judged") else PITCHES)
     if "cell" not in found:
         return fitted_curve(found, across)[None]
     cell = found["cell"]

@@ -37,7 +37,7 @@ def decision_values(record: Record) -> Record:
         "sentence": verdict_sentence(record),
         "others": _other_gates(record),
         "figures": _figures(record),
-        "compared": comparison_words(record),
+        "notes": _notes(record),
         "scale": scale_values(record, _with_widths(record, films)),
         "sure": _sure(record.get("confidence")),
         "strips": strip_values(films),
@@ -53,13 +53,23 @@ def _luminance(record: Record) -> "go.Figure":
     return cell_figure(record["cell"]) if record.get("cell") else luminance_figure(record)
 
 
+def _notes(record: Record) -> list[str]:
+    """Return what is compared with what, and of a finite panel where its contrast is."""
+    judged = record.get("judged")
+    if not judged:
+        return [comparison_words(record)]
+    place = f"Contrast: {judged['words']}. Luminance, pictures and curves: the panel's middle."
+    return [place, comparison_words(record)]
+
+
 def _luminance_words(record: Record) -> str:
     """Return what stands under that figure."""
     if record.get("cell"):
         return "Luminance over one cell of LEDs over its mean, an LED in the middle."
     limit = f"{record['gates'][0]['limit'] * 100:g}"
+    which = "the lamp pitch in the panel's middle" if record.get("judged") else "one lamp pitch"
     return (
-        "Luminance over one lamp pitch with its 95 % band, and each curve over its own mean; the "
+        f"Luminance over {which} with its 95 % band, and each curve over its own mean; the "
         f"dotted lines stand at ± {limit} %."
     )
 
@@ -202,10 +212,17 @@ def strip_values(films: list[tuple[str, Record]]) -> Record:
         "scale": scale_strip(),
         # Cells are shown in proportion; a strip of stripes is as high as one likes.
         "style": "height:auto" if is_cell else "",
-        "words": f"{PITCHES} × {ROWS} cells of LEDs, from the fitted series"
-        if is_cell
-        else f"{PITCHES} lamp pitches, made from the curve below: one pitch, repeated",
+        "words": _strip_words(is_cell, any(found.get("judged") for _, found in films)),
     }
+
+
+def _strip_words(is_cell: bool, is_panel: bool) -> str:
+    """Return what the strips show."""
+    if is_cell:
+        return f"{PITCHES} × {ROWS} cells of LEDs, from the fitted series"
+    if is_panel:
+        return "The lamp pitch in the panel's middle, made from the curve below"
+    return f"{PITCHES} lamp pitches, made from the curve below: one pitch, repeated"
 
 
 def _assumed(record: Record) -> list[tuple[str, str]]:

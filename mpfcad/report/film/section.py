@@ -11,7 +11,7 @@ from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.film.cell_section import cell_rows
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.influence import assumed_rows
-from mpfcad.report.page.number import number
+from mpfcad.report.page.number import number, with_interval
 
 Record = dict[str, Any]
 
@@ -79,11 +79,24 @@ def luminance_values(record: Record) -> dict[str, Any]:
     traces = {film.name: film.found for film in traced_films(record)}
     return {
         "traces": list(traces.items()),
+        "pitches": _pitch_rows(record),
         "cell": cell_rows(record) if record.get("cell") else [],
         "flow": draw_energy(record["energy"]) if record["energy"] else None,
         "energy_head": ["share of the lamps' light", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()]),
     }
+
+
+def _pitch_rows(record: Record) -> list[list[str]]:
+    """Return the contrast of each lamp pitch of a finite panel."""
+    return [
+        [
+            "{:.1f} … {:.1f}".format(*one["from_to_mm"]),
+            with_interval(one, 4),
+            "yes" if one["judged"] else "no: in the rim",
+        ]
+        for one in record.get("pitches", [])
+    ]
 
 
 def _energy_rows(shares: list[dict[str, Any]], prefix: str = "") -> list[list[str]]:

@@ -121,20 +121,21 @@ def comparison_page(folder: Path, places: list[str]) -> str | None:
     if len(places) != 2 or not all(place in runs for place in places):
         return None
     chosen = [runs[place] for place in places]
-    if not all(one.record.get("curve") for one in chosen):  # another version's, or not traced
-        return None
+    if not all(one.record.get("curve") or one.record.get("cell") for one in chosen):
+        return None  # another version's, or not traced
     names = [one.name if chosen[0].name != chosen[1].name else one.place for one in chosen]
     films = [(name, one.record) for name, one in zip(names, chosen, strict=True)]
     curves = [
         (name, record, colour)
         for (name, record), colour in zip(films, (FILM_COLOUR, BASE_COLOUR), strict=True)
+        if record.get("curve")
     ]
     return render(
         "pair.html.j2",
         exports=list(zip(names, chosen, strict=True)),
         scale=scale_values(chosen[0].record, films),
         strips=strip_values(films),
-        plot_made=plot(pitch_figure(curves), "pitch"),
+        plot_made=plot(pitch_figure(curves), "pitch") if curves else None,
         inputs=_changed_inputs(*(one.record for one in chosen)),
     )
 
