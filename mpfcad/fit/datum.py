@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.fit.linear import Line
+from mpfcad.fit.linear import Line, noise_of_lines
 from mpfcad.fit.reading import Figure
 
 _STEP = 1e-3
@@ -89,10 +89,11 @@ class Figured:
         covariance: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Return the covariance (d, d) of the prediction that the traces leave."""
-        total: NDArray[np.float64] = np.zeros((1, 1))
-        for view, gain in self.gain(lines, steps).items():
-            total = total + gain @ lines[view].noise(steps, covariance) @ gain.T
-        return total
+        gains = self.gain(lines, steps)
+        gain = np.hstack(list(gains.values()))
+        together = noise_of_lines([lines[view] for view in gains], steps, covariance)
+        found: NDArray[np.float64] = gain @ together @ gain.T
+        return found
 
 
 @dataclass(frozen=True, eq=False)

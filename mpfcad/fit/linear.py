@@ -22,6 +22,8 @@ class Line:
         (m, k, k) float64, of each reading's slopes
     bow
         (m,) float64: by how much runs a step away in all values lie off the line in the mean
+    rest
+        (n, m) float64: by how much each run lies off it
     """
 
     at: NDArray[np.float64]
@@ -30,22 +32,41 @@ class Line:
     slope: NDArray[np.float64]
     slope_covariance: NDArray[np.float64]
     bow: NDArray[np.float64]
+    rest: NDArray[np.float64]
 
     def reading(self, steps: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the readings at steps (k,), (m,)."""
         found: NDArray[np.float64] = self.start + (steps - self.at) @ self.slope
         return found
 
-    def noise(
+    def spread(
         self, steps: NDArray[np.float64], covariance: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return the covariance (m, m) of the readings over values known to a covariance (k, k).
-
-        Of the trace at the middle, of the slopes over so wide a range, and of what is not straight.
-        """
+        """Return each reading's variance (m,) by its slopes, over values known to (k, k)."""
         away = steps - self.at
-        wide = np.sum(self.slope_covariance * (covariance + np.outer(away, away)), axis=(1, 2))
-        return self.start_covariance + np.diag(wide) + np.outer(self.bow, self.bow)
+        over = covariance + np.outer(away, away)
+        found: NDArray[np.float64] = np.sum(self.slope_covariance * over, axis=(1, 2))
+        return found
+
+
+def noise_of_lines(
+    lines: list[Line], steps: NDArray[np.float64], covariance: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the covariance of the readings of lines side by side, over values known to (k, k).
+
+    Of the traces at the middle, of the slopes over so wide a range, and of what is not straight.
+    The lines' runs changed the values alike: what lies off a line in one lies off in the other too,
+    and drops out of their ratio.
+    """
+    from scipy.linalg import block_diag
+
+    rest = np.hstack([line.rest for line in lines])
+    size = np.sqrt(np.sum(rest**2, axis=0))
+    together = rest.T @ rest / np.outer(np.where(size > 0, size, 1), np.where(size > 0, size, 1))
+    wide = np.sqrt(np.concatenate([line.spread(steps, covariance) for line in lines]))
+    bow = np.concatenate([line.bow for line in lines])
+    found: NDArray[np.float64] = block_diag(*[line.start_covariance for line in lines])
+    return found + together * np.outer(wide, wide) + np.outer(bow, bow)
 
 
 def fit_line(
@@ -84,7 +105,7 @@ def fit_line(
     noise = np.diag(start_covariance) + scatter / len(steps)
     # What the noise of both may have made is no bow (James and Stein, 1961).
     kept = np.maximum(0.0, 1 - noise / np.where(bow == 0, 1.0, bow**2))
-    return Line(at, start, start_covariance, slope, spread, bow * kept)
+    return Line(at, start, start_covariance, slope, spread, bow * kept, rest)
 
 
 def _size(slope: NDArray[np.float64], inner: NDArray[np.float64], scatter: float) -> float:

@@ -42,21 +42,17 @@ def find_unknowns(
         zip(covariance[0], np.sqrt(np.diag(covariance[1])).tolist(), strict=True)
     )  # fmt: skip
     factors = _factors(stack, stated, set(fit.free))
+    names = [factor.name for factor in factors]
+    if fit.values is not None:
+        asked = {*fit.values, *fit.free, *stated}
+        _refuse_unknown(file, asked, names)
+        factors = [factor for factor in factors if factor.name in {*asked, LUMINANCE}]
     active = {name: _active(case, factors) for name, case in cases.items()}
     used = [f for i, f in enumerate(factors) if any(row[i] for row in active.values())]
     if not needs_level(fit):
         used = [factor for factor in used if factor.name != LUMINANCE]
     names = [factor.name for factor in used]
-    wanted = [*(fit.values or []), *fit.free, *stated]
-    wrong = [name for name in wanted if name not in names]
-    if wrong:
-        known = textwrap.shorten(", ".join(names), _SHOWN, placeholder=" …")
-        raise InputError(
-            f"{file}: {wrong[0]}: expected values that are not exact and change a case: {known}"
-        )
-    if fit.values is not None:
-        kept = {*fit.values, *fit.free, LUMINANCE}
-        used = [factor for factor in used if factor.name in kept]
+    _refuse_unknown(file, {*(fit.values or []), *fit.free, *stated}, names)
     free = set(fit.free)
     if stack.quantity[LUMINANCE].sigma is None:
         free.add(LUMINANCE)
@@ -66,6 +62,15 @@ def find_unknowns(
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     return unknowns, {name: row[at] for name, row in active.items()}
+
+
+def _refuse_unknown(file: Path, asked: set[str], names: list[str]) -> None:
+    wrong = sorted(asked - set(names))
+    if wrong:
+        known = textwrap.shorten(", ".join(names), _SHOWN, placeholder=" …")
+        raise InputError(
+            f"{file}: {wrong[0]}: expected values that are not exact and change a case: {known}"
+        )
 
 
 def needs_level(fit: Fit) -> bool:
