@@ -78,7 +78,7 @@ def test_a_calender_makes_less_than_one_wire():
     [("43-80", 53), ("48-70", 46), ("54-64", 39), ("61-64", 30), ("77-55", 22), ("100-40", 20)],
 )
 def test_ink_volumes_of_a_weaver_lie_in_the_computed_interval(name, volume):
-    """Theoretical ink volumes of SEFAR PET 1500 by threads per inch, cm³/m²."""
+    """Theoretical ink volumes quoted of SEFAR PET 1500, cm³/m²; its threads per inch read so."""
     mesh = find_mesh(name)
     assert abs(1000 * mesh.fabric_volume - volume) < mesh.volume_width * 1000 * mesh.fabric_volume
 

@@ -29,8 +29,8 @@ THICKNESS_FACTOR: dict[Material, tuple[float, float]] = {
 WIRE_WIDTH, STATED_WIDTH = 2.0 * um, 0.5 * um
 #: That of polyester, in threads: they flatten as they are woven, at one weaver's more than at
 #: another's. The catalogue's openings exceed 1/n - d by up to 0.05 threads or fall short of it by
-#: 0.04; ink volumes of SEFAR PET 1500 (30 cm³/m² of 61-64, 22 of 77-55, 19 of 90-48) mean openings
-#: that are 0.15 threads smaller.
+#: 0.04; ink volumes quoted of SEFAR PET 1500 (156 per inch: 30 cm³/m², 195: 22, 230: 19, read as
+#: 61-64, 77-55, 90-48) mean openings that are up to 0.15 threads smaller.
 THREAD_WIDTH = 0.15
 
 
