@@ -132,8 +132,9 @@ def test_two_films_need_one_across_in_the_stack(tmp_path):
 
 def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
     from mpfcad.job.reader import read_job
-    from mpfcad.pipeline.measure.case import Measuring, read_case
+    from mpfcad.pipeline.measure.case import read_case
     from mpfcad.pipeline.measure.compare import compare_cases
+    from mpfcad.pipeline.measure.figures import Measuring
     from mpfcad.pipeline.measure.measure import measure_film
     from mpfcad.pipeline.plan.tube import read_tube_plan
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import mpfcad.measure
-from mpfcad.pipeline.point.trace import Point, local_shift, trace_point
+from mpfcad.pipeline.point.trace import Point, trace_point
+from mpfcad.pipeline.point.tube import local_shift
 
 STACK = (
     'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 12.0\npanel_length_mm = 10.0\n'

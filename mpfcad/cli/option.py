@@ -29,6 +29,13 @@ Seed = Annotated[
     int, typer.Option("--seed", min=0, metavar="N", help="Seed of the random numbers.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Confidence = Annotated[
+    bool,
+    typer.Option(
+        "--confidence",
+        help="State how likely the contrast's limits are met, with every input's uncertainty.",
+    ),
+]
 Junit = Annotated[
     Path | None,
     typer.Option("--junit", metavar="FILE.xml", help="Write the gates as a JUnit report too."),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpfcad import compiling
 from mpfcad.cli.character import print_json
+from mpfcad.cli.likely import case_words, print_confidence
 from mpfcad.cli.stream import one_line
 from mpfcad.store.notice import listeners
 
@@ -167,10 +168,6 @@ def print_gates(record: dict[str, Any]) -> None:
         print(f"printability: {record['printability']}")
 
 
-#: Inputs with the largest shares that are printed.
-_INPUTS_SHOWN = 6
-
-
 def print_verdict(verification: dict[str, Any], folder: Path) -> None:
     """Print the verdict, one line a gate, and where the report is."""
     print_gates(verification)
@@ -208,26 +205,6 @@ def _print_words(verification: dict[str, Any]) -> str:
     return f" as designed; {found['value']:.2f} likely as printed"
 
 
-def print_confidence(confidence: dict[str, Any]) -> None:
-    """Print how likely the limits are met, what that hangs on and what to measure next."""
-    for found in confidence["probability"].values():
-        low, high = found["ci95"]
-        share = f"{found['value']:.2f} [{low:.2f}, {high:.2f}]"
-        print(f"contrast at most {found['limit']:g}: {share} likely")
-    low, high = confidence["contrast"]["ci95"]
-    print(f"contrast with all widths {confidence['contrast']['value']:.4f} [{low:.4f}, {high:.4f}]")
-    for one in confidence["inputs"][:_INPUTS_SHOWN]:
-        bar = "#" * round(40 * one["share_of_variance"])
-        print(f"  {one['name']:28} ± {one['sigma']:<7.3g} {one['share_of_variance']:5.0%} {bar}")
-    if confidence["measure_next"]:
-        first = confidence["measure_next"][0]
-        print(
-            f"measure next: {first['measurement']}: the contrast's 95 % range narrows from "
-            f"{first['contrast_spread_before']:.4f} to {first['contrast_spread']:.4f}; "
-            f"{first['probability_if_confirmed']:.2f} likely if it confirms the stated value"
-        )
-
-
 def gate_line(gate: dict[str, Any]) -> str:
     """Return a gate as one line: outcome, name, value with interval, limit, and what is wrong."""
     value = "not measured" if gate["value"] is None else f"{gate['value']:.4g}"
@@ -260,6 +237,8 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     for name in names:
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
+    if "confidence" in figures:
+        print_confidence(figures["confidence"])
     print(f"accelerator {figures['accelerator'] or 'none: no mesh'}")
     for note in figures["traced"]["notes"]:
         print(note)
@@ -273,10 +252,13 @@ def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) ->
     if as_json:
         print_json(record)
         return
-    for name, estimate in _estimates(record):
+    figures = {name: value for name, value in record.items() if name != "confidence"}
+    for name, estimate in _estimates(figures):
         value = "–" if estimate is None else f"{estimate['value']:.6g}"
         error = "" if estimate is None else f"± {estimate['standard_error']:.2g}"
         print(f"{name:<58}{value:>12} {error}")
+    if "confidence" in record:
+        print_confidence(record["confidence"])
     print(folder / "measure.html")
 
 
@@ -301,6 +283,7 @@ def print_comparison(record: dict[str, Any], folder: Path, *, as_json: bool) -> 
         print(
             f"{case['label']}: {contrast['value']:.4f} [{low:.4f}, {high:.4f}], "
             f"{case['relative_luminance']['value']:.3f}, {leaves:.3f}, {case['sheet_count']}"
+            f"{case_words(case)}"
         )
     print(folder / "compare.html")
 

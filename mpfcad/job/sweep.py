@@ -23,7 +23,9 @@ LED_AXES = (
     "led_repeat", "led_seed", "dead_led", FILL_AXIS,
 )  # fmt: skip
 _OWN_AXES = tuple(dict.fromkeys((FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES, *LED_AXES)))
-_TABLES = ("map", "film", "process", "mask", "cad", "stack", "crossed")
+#: Tables that ask for something even where they are empty.
+_ASKING = ("crossed", "confidence")
+_TABLES = ("map", "film", "process", "mask", "cad", "stack", *_ASKING)
 Value = Annotated[float, Field(allow_inf_nan=False)] | str
 
 
@@ -59,6 +61,7 @@ class Sweep(Table):
     cad: dict[str, Any] = Field(default_factory=dict)
     stack: dict[str, Any] = Field(default_factory=dict)
     crossed: dict[str, Any] | None = None
+    confidence: dict[str, Any] | None = None
 
     @model_validator(mode="after")
     def _known_axes(self) -> "Sweep":
@@ -93,10 +96,9 @@ class Sweep(Table):
         """Return the document of a point's job; fill and registration are not in it."""
         document = {"schema": 1, "name": self.name, "seed": self.seed}
         for table in _TABLES:
-            if getattr(self, table):
-                document[table] = _copied(getattr(self, table))
-        if self.crossed is not None:
-            document["crossed"] = _copied(self.crossed)
+            given = getattr(self, table)
+            if given or (table in _ASKING and given is not None):
+                document[table] = _copied(given)
         for axis, value in point.items():
             *tables, field = axis.split(".")
             if not tables:

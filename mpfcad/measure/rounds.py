@@ -158,9 +158,11 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
 
 
 def _by_value(stack: Stack) -> list[Any]:
-    """Return a stack with the files of its own layers by their content, not by where they lie."""
+    """Return a stack with the files that it needs by their content, not by where they lie."""
     own = {name: replace(layer, file=None) for name, layer in stack.own.items()}
-    return [replace(stack, own=own), stack.files()]
+    # A folder has its place for the film without resin whether or not it holds one.
+    prism = stack.prism if stack.prism is not None and stack.prism.is_file() else None
+    return [replace(stack, own=own, prism=None), stack.files(), prism]
 
 
 def trace_rounds(

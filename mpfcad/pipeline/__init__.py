@@ -8,8 +8,9 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.fit.fit import FitSetting, default_fit_out, fit_backlight
-from mpfcad.pipeline.measure.case import WHAT, Case, Measuring, job_case, read_case
+from mpfcad.pipeline.measure.case import Case, job_case, read_case
 from mpfcad.pipeline.measure.compare import compare_cases
+from mpfcad.pipeline.measure.figures import WHAT, Measuring
 from mpfcad.pipeline.measure.led_case import read_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.plan.need import available_memory, run_need

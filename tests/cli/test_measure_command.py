@@ -138,10 +138,10 @@ def test_compare_puts_the_conventional_stack_first(place, measured, capsys):
 
 
 def test_a_comparison_that_was_interrupted_keeps_what_it_found(place, measured, monkeypatch):
-    from mpfcad.pipeline.measure import case
+    from mpfcad.pipeline.measure import figures
 
     seen = []
-    real = dict(case._MEASURE)
+    real = dict(figures._MEASURE)
 
     def stop(*arguments):
         raise KeyboardInterrupt
@@ -150,12 +150,12 @@ def test_a_comparison_that_was_interrupted_keeps_what_it_found(place, measured, 
         return lambda *arguments: (seen.append(name), real[name](*arguments))[1]
 
     for name in real:
-        monkeypatch.setitem(case._MEASURE, name, count(name))
-    monkeypatch.setitem(case._MEASURE, "flux", stop)
+        monkeypatch.setitem(figures._MEASURE, name, count(name))
+    monkeypatch.setitem(figures._MEASURE, "flux", stop)
     source = "film.stl@thesis-32in-mpf-plate"
     assert app("compare", source, "--out", "two") == 130
     assert seen == ["contrast", "angular"] and not (place / "two").exists()
-    monkeypatch.setitem(case._MEASURE, "flux", count("flux"))
+    monkeypatch.setitem(figures._MEASURE, "flux", count("flux"))
     assert app("compare", source, "--out", "two") == 0
     assert seen == ["contrast", "angular", "flux"]
     record = json.loads((place / "two" / "compare.json").read_text())
@@ -168,6 +168,8 @@ def test_a_job_and_a_preset_are_cases(place):
     (place / "job.toml").write_text('name = "c60"\n[map]\ncurvature_per_mm = 60.0\n')
     job = read_case("job.toml")
     assert (job.name, job.lit.stack.name) == ("c60", "thesis-32in-mpf")
+    # Where its files lay for a while is no part of what it is: figures that are kept are found.
+    assert read_case("job.toml").lit.case == job.lit.case
     slim = read_case("job.toml", thickness=16.0)
     assert slim.lit.stack.thickness == 16.0 and slim.lit.case["mesh"] == job.lit.case["mesh"]
     bef = read_case("thesis-32in-mpf")

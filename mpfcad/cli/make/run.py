@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mpfcad.cli.option import JobFile, Junit, Out, Threads, TraceEffort
+from mpfcad.cli.option import Confidence, JobFile, Junit, Out, Threads, TraceEffort
 
 if TYPE_CHECKING:
     from mpfcad.job import Job
@@ -24,13 +24,7 @@ def command(
         bool,
         typer.Option("--plan", help="State only what memory and time it takes; make no file."),
     ] = False,
-    confidence: Annotated[
-        bool,
-        typer.Option(
-            "--confidence",
-            help="State how likely the verdict holds, with every input's uncertainty.",
-        ),
-    ] = False,
+    confidence: Confidence = False,
 ) -> int:
     """Make mask, CAD files, ray trace and report of a job."""
     from mpfcad.cli.terminal import Terminal, print_verdict

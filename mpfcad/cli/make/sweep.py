@@ -1,11 +1,11 @@
 """`mpfcad sweep`: contrast and luminance over any values of a job, on any number of processes."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from mpfcad.cli.option import Out
+from mpfcad.cli.option import Confidence, Out
 
 
 def command(
@@ -13,6 +13,7 @@ def command(
         Path, typer.Argument(metavar="SWEEP.toml", help="The sweep.", show_default=False)
     ],
     out: Out = None,
+    confidence: Confidence = False,
     scheduler: Annotated[
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://HOST:PORT."),
@@ -29,6 +30,8 @@ def command(
     from mpfcad.report import limit_words
 
     sweep = read_sweep(sweep_file)
+    if confidence and sweep.confidence is None:
+        sweep = sweep.model_copy(update={"confidence": {}})
     folder = out or default_sweep_out(sweep)
     with Terminal() as terminal:
         record = run_sweep(
@@ -41,8 +44,20 @@ def command(
             f"{curve + ': ' if curve else ''}least contrast {one['contrast']['value']:.4f} "
             f"[{low:.4f}, {high:.4f}] at {one['axis']} = {one['optimum']:g}"
         )
+        if "likeliest" in one:
+            print(_likeliest(one))
     for one in record["thickness_limits"]:
         curve = ", ".join(f"{k} = {v}" for k, v in one["curve"].items())
         print(f"{curve + ': ' if curve else ''}{' '.join(limit_words(one))}")
     print(folder / "sweep.html")
     return 0
+
+
+def _likeliest(optimum: dict[str, Any]) -> str:
+    """Return where a curve is most likely within the limit, in words."""
+    found, axis = optimum["likeliest"], optimum["axis"]
+    low, high = found["ci95"]
+    return (
+        f"most likely at most {found['limit']:g} in the real backlight: "
+        f"{found['value']:.2f} [{low:.2f}, {high:.2f}] at {axis} = {found[axis]:g}"
+    )

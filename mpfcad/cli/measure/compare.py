@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
+from mpfcad.cli.option import Confidence, Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -20,6 +20,7 @@ def command(
     ],
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
+    confidence: Confidence = False,
     threads: Threads = None,
     json: Json = False,
     out: Annotated[
@@ -36,6 +37,7 @@ def command(
             terminal.stage(f"reading {source}")
             film, _, stack = source.partition("@")
             cases += read_cases(film, stack or None)
-        record = compare_cases(cases, out, Measuring(seed, effort.value, threads), terminal)
+        measuring = Measuring(seed, effort.value, threads)
+        record = compare_cases(cases, out, measuring, terminal, confidence=confidence)
     print_comparison(record, out, as_json=json)
     return 0

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
+from mpfcad.cli.option import Confidence, Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -38,6 +38,7 @@ def command(
     ] = None,
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
+    confidence: Confidence = False,
     threads: Threads = None,
     json: Json = False,
     out: Annotated[
@@ -63,6 +64,8 @@ def command(
         case = read_case(source, stack, thickness_mm, offset_mm)
         folder = out or default_measure_out(case)
         measuring = Measuring(seed, effort.value, threads)
-        record = measure_film(case, chosen or default_what(case), folder, measuring, terminal)
+        record = measure_film(
+            case, chosen or default_what(case), folder, measuring, terminal, confidence=confidence
+        )
     print_measurement(record, folder, as_json=json)
     return 0

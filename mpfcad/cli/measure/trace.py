@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Effort, Json, Seed, StandardEffort, Threads
+from mpfcad.cli.option import Confidence, Effort, Json, Seed, StandardEffort, Threads
 
 
 def command(
@@ -38,6 +38,7 @@ def command(
     ] = False,
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
+    confidence: Confidence = False,
     threads: Threads = None,
     json: Json = False,
 ) -> int:
@@ -48,7 +49,7 @@ def command(
     with Terminal() as terminal:
         figures = trace_mesh(
             mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal, prism,
-            repair,
+            repair, confidence,
         )  # fmt: skip
     print_trace(figures, as_json=json)
     return 0

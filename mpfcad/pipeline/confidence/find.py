@@ -4,12 +4,14 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight import Stack
 from mpfcad.confidence import (
     Factor,
     Response,
@@ -20,11 +22,43 @@ from mpfcad.confidence import (
     shares_of_variance,
 )
 from mpfcad.errors import InputError
+from mpfcad.job import ConfidenceTable, GateTable, Job
 from mpfcad.measure import Estimate, LuminanceResult
-from mpfcad.pipeline.confidence.runs import Runs, reading_of
+from mpfcad.pipeline.confidence.runs import Reading, Runs, reading_of
 from mpfcad.pipeline.confidence.variant import Variants
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a confidence is asked with: widths of film and print, limits, and a seed."""
+
+    table: ConfidenceTable
+    gates: GateTable
+    seed: int
+
+    @classmethod
+    def of(cls, job: Job | None, seed: int | None = None) -> "Asked":
+        """Return what a job asks with, or the usual without one; `seed` in place of the job's."""
+        if job is None:
+            return cls(ConfidenceTable(), GateTable(), 1 if seed is None else seed)
+        return cls(job.confidence_table, job.gates, job.seed if seed is None else seed)
+
+
+def refuse_confidence(stack: Stack) -> None:
+    """Raise where nothing repeats over one endless pitch, so that no curve says how it changes.
+
+    Raises
+    ------
+    InputError
+        when LEDs light it, or the panel has a rim.
+    """
+    if stack.extent != "pitch" or stack.period.along != 0:
+        raise InputError(
+            f"confidence: stack {stack.name}, extent {stack.extent}: expected tubes and "
+            'extent = "pitch"'
+        )
 
 
 @contextmanager
@@ -54,35 +88,41 @@ def find_confidence(
     InputError
         when the job's backlight has no endless pitch, or a covariance names what is no input.
     """
-    table = plan.job.confidence_table
-    if plan.stack.extent != "pitch" or plan.stack.period.along != 0:
-        raise InputError(
-            f"confidence: stack {plan.stack.name}, extent {plan.stack.extent}: expected tubes and "
-            'extent = "pitch"'
-        )
+    refuse_confidence(plan.stack)
     with variants_of(plan, folder) as variants:
-        factors = variants.factors()
-        runs = Runs(variants, factors, reading_of(luminance), plan.job.seed, threads, progress)
-        response = runs.respond(table.paths_million)
-    return _describe(plan, luminance, response, factors, runs.paths, variants.left_out())
+        return confidence_of(
+            variants, reading_of(luminance), luminance.contrast.value, Asked.of(plan.job),
+            threads, progress,
+        )  # fmt: skip
 
 
-def _describe(
-    plan: Plan,
-    luminance: LuminanceResult,
-    response: Response,
-    factors: list[Factor],
-    paths: int,
-    left_out: list[str],
+def confidence_of(
+    variants: Variants,
+    reading: Reading,
+    contrast: float,
+    asked: Asked,
+    threads: int,
+    progress: Progress,
 ) -> dict[str, Any]:
-    job, table = plan.job, plan.job.confidence_table
-    between = correlation(factors, table.covariance_of())
-    steps = draw_steps(factors, between, job.seed)
+    """Return how likely a film's contrast meets the limits, in outside names.
+
+    `reading` and `contrast` are of its own trace, as stated.
+
+    Raises
+    ------
+    InputError
+        when a covariance names what is no input.
+    """
+    factors = variants.factors()
+    runs = Runs(variants, factors, reading, asked.seed, threads, progress)
+    response = runs.respond(asked.table.paths_million)
+    between = correlation(factors, asked.table.covariance_of())
+    steps = draw_steps(factors, between, asked.seed)
     share = shares_of_variance(response, between)
     order = sorted(range(len(factors)), key=lambda i: (-share[i], factors[i].name))
     return {
-        **describe_likely(plan, response, steps),
-        "contrast_as_stated": luminance.contrast.value,
+        **describe_likely(asked, response, steps),
+        "contrast_as_stated": contrast,
         "inputs": [
             {
                 **describe_factor(factors[i]),
@@ -95,21 +135,20 @@ def _describe(
             for i in order
         ],
         "measure_next": rank_measurements(
-            response, factors, steps, job.gates.contrast_marginal, job.seed
+            response, factors, steps, asked.gates.contrast_marginal, asked.seed
         ),
-        "left_out": left_out,
-        "paths": paths,
+        "left_out": variants.left_out(),
+        "paths": runs.paths,
         "draws": len(steps),
     }
 
 
-def describe_likely(plan: Plan, response: Response, steps: NDArray[np.float64]) -> dict[str, Any]:
+def describe_likely(asked: Asked, response: Response, steps: NDArray[np.float64]) -> dict[str, Any]:
     """Return how likely each limit is met over steps (n, k) of the inputs, fit for JSON."""
-    gates = plan.job.gates
+    gates = asked.gates
     limits = {"pass": gates.contrast_pass, "marginal": gates.contrast_marginal}
     likely = {
-        name: likely_contrast(response, steps, limit, plan.job.seed)
-        for name, limit in limits.items()
+        name: likely_contrast(response, steps, limit, asked.seed) for name, limit in limits.items()
     }
     return {
         "probability": {

@@ -14,6 +14,7 @@ from mpfcad.confidence import Response, draw_steps
 from mpfcad.film import PieceLibrary
 from mpfcad.measure import CellResult, LuminanceResult
 from mpfcad.pipeline.confidence.find import (
+    Asked,
     describe_effect,
     describe_factor,
     describe_likely,
@@ -73,7 +74,7 @@ def _describe(plan: Plan, runs: Runs, response: Response) -> dict[str, Any]:
     factors = runs.factors
     steps = draw_steps(factors, np.eye(len(factors)), plan.job.seed)
     return {
-        **describe_likely(plan, response, steps),
+        **describe_likely(Asked.of(plan.job), response, steps),
         "inputs": [
             {**describe_factor(factor), **describe_effect(factor, response, number)}
             for number, factor in enumerate(factors)

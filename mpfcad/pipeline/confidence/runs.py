@@ -51,8 +51,16 @@ class Reading:
 
 def reading_of(result: LuminanceResult) -> Reading:
     """Return harmonics as many as the film's own curve has, or its points where it is sharp."""
-    value, error = result.luminance, result.standard_error
-    if result.curve.is_sharp:
+    return reading_of_points(
+        result.luminance, result.standard_error, is_sharp=result.curve.is_sharp
+    )
+
+
+def reading_of_points(
+    value: NDArray[np.float64], error: NDArray[np.float64], *, is_sharp: bool
+) -> Reading:
+    """Return what `reading_of` does, of the points' luminance and standard error, (POINTS,)."""
+    if is_sharp:
         mean = np.full((1, POINTS), 1 / POINTS)
         gain = np.vstack([mean, np.eye(POINTS) - mean])
         fine = np.eye(POINTS)
@@ -60,7 +68,6 @@ def reading_of(result: LuminanceResult) -> Reading:
         fit: HarmonicFit = fit_harmonics(_POSITION, value, np.full(POINTS, error.mean()), np.inf)
         gain = fit.gain
         fine = basis(np.arange(_FINE) / _FINE, fit.harmonics)[:, 1:]
-    is_sharp = result.curve.is_sharp
     reading = Reading(gain, fine, np.zeros(0), np.zeros((0, 0)), is_sharp)
     return Reading(gain, fine, reading.read(value), reading.spread(value, error), is_sharp)
 

@@ -16,9 +16,10 @@ from mpfcad.errors import InputError
 from mpfcad.film import PrismFilm
 from mpfcad.job import ConfidenceTable
 from mpfcad.measure import Lit, light_film
-from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.confidence.subject import Subject
 
 if TYPE_CHECKING:
+    from mpfcad.optics.library.piece import Library
     from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
@@ -38,28 +39,33 @@ FULL = 0.999
 
 @dataclass(frozen=True, eq=False)
 class Variants:
-    """The scenes of a job with its inputs changed.
+    """The scenes of a film in its backlight with the inputs changed.
 
     Attributes
     ----------
     plan, stack
-        the job; its backlight with the meshes that it needs in place
+        the film, that of a job or any; its backlight with the meshes that it needs in place
     folder
         where changed films are written
     table
-        the job's `[confidence]`
+        the widths of film and print
+    mesh
+        the film as shipped, a file of the folder or anywhere; None: the stack has no film
     """
 
-    plan: Plan
+    plan: Subject
     stack: Stack
     folder: Path
     table: ConfidenceTable
+    mesh: Path | None = Path("film.stl")
 
     @property
     def has_grooves(self) -> bool:
         """Whether resin, depth and base can be changed: grooves as designed, filled, clear."""
-        drawn, piece = self.plan.drawn, self.plan.piece
-        return drawn is piece and piece.profile == "filled" and not self.stack.resin_scatters
+        piece = self.plan.piece
+        if piece is None or self.plan.drawn is not piece:
+            return False
+        return piece.profile == "filled" and not self.stack.resin_scatters
 
     def factors(self) -> list[Factor]:
         """Return the inputs that are not known exactly and change the scene."""
@@ -86,9 +92,11 @@ class Variants:
 
     def left_out(self) -> list[str]:
         """Return the inputs that are not carried, with the reason."""
-        if self.has_grooves:
+        if self.has_grooves or self.mesh is None:
             return []
         why = "of this kind of film no changed one is made"
+        if self.plan.piece is None:
+            why = "a mesh does not say how it is made"
         return [f"{name}: {why}" for name in (RESIN, DEPTH, BASE)]
 
     def _of_stack(self) -> list[Factor]:
@@ -106,11 +114,15 @@ class Variants:
                 found.append(factor)
         return found
 
-    @cached_property
-    def _mesh(self) -> "FilmMesh":
-        from mpfcad.optics.solid.mesh import read_film_mesh
+    @property
+    def _shipped(self) -> Path | None:
+        return None if self.mesh is None else self.folder / self.mesh
 
-        return read_film_mesh(self.folder / "film.stl")
+    @cached_property
+    def _mesh(self) -> "FilmMesh | Library | None":
+        from mpfcad.backlight.lower import read_film
+
+        return None if self._shipped is None else read_film(self._shipped)
 
     def _lowered(self, stack: Stack) -> list[object]:
         """Return what the tracer would read of a stack's elements, to be compared."""
@@ -133,18 +145,18 @@ class Variants:
         return self.stack.with_values(values) if values else self.stack
 
     def _of_film(self) -> list[Factor]:
+        piece = self.plan.piece
+        if self.mesh is None:
+            return []
         sizes = {SHIFT: self.table.registration_mm}
-        if self.has_grooves:
+        low = {RESIN: -100.0 if self._modes is None else -np.inf}
+        if piece is not None and self.has_grooves:
             sizes |= {DEPTH: self.table.depth_um, BASE: self.table.base_um}
             sizes |= self._of_print()
-        if np.ptp(self.plan.piece.curvature) == 0:
+            low |= {BASE: -piece.base * 1000 * 0.9, DEPTH: -piece.groove.depth * 1000 * 0.9}
+        if piece is not None and np.ptp(piece.curvature) == 0:
             # Alike grooves are nowhere wrong.
             del sizes[SHIFT]
-        low = {
-            RESIN: -100.0 if self._modes is None else -np.inf,
-            BASE: -self.plan.piece.base * 1000 * 0.9,
-        }
-        low[DEPTH] = -self.plan.piece.groove.depth * 1000 * 0.9
         return [
             Factor(
                 name, 0.0, size, low.get(name, -np.inf), source=self._reason(name),
@@ -158,7 +170,7 @@ class Variants:
     def _modes(self) -> NDArray[np.float64] | None:
         """What the process does not know of ln(fill) of the piece's grooves, (k, n)."""
         process, piece = self.plan.process, self.plan.piece
-        if process is None:
+        if process is None or piece is None:
             return None
         modes = process.fill_modes(process.aperture_ratio_of_curvature(piece.curvature))
         return None if modes is None else modes[:2]
@@ -171,7 +183,8 @@ class Variants:
 
     def _of_print(self) -> dict[str, float]:
         """Return the widths of the resin [%]: the process's, else `[confidence]`'s."""
-        if float(np.max(self.plan.piece.fill_fraction)) <= 0:
+        piece = self.plan.piece
+        if piece is None or float(np.max(piece.fill_fraction)) <= 0:
             return {}
         if self._modes is None:
             return {RESIN: self.table.resin_or_assumed}
@@ -191,29 +204,30 @@ class Variants:
         mesh, shift = self._film(film), film.get(SHIFT, 0.0)
         return light_film(self._stack(change), mesh, self.plan.offset + shift)
 
-    def _film(self, change: Mapping[str, float]) -> Path:
+    def _film(self, change: Mapping[str, float]) -> Path | None:
         """Return the mesh of the film as shipped, or of one written with its making changed."""
         if not {RESIN, TONE, DEPTH, BASE} & set(change):
-            return self.folder / "film.stl"
+            return self._shipped
         from mpfcad.cad import write_stl
 
         path = self.folder / "changed.stl"
-        write_stl(self._changed(change), path, self.plan.job.cad.angle_tolerance)
+        write_stl(self._changed(change), path, self.plan.angle_tolerance)
         return path
 
     def _changed(self, change: Mapping[str, float]) -> PrismFilm:
         piece = self.plan.piece
+        assert piece is not None  # making is only changed where it is known
         groove = replace(piece.groove, depth=piece.groove.depth + change.get(DEPTH, 0.0) / 1000)
-        fill = piece.fill_fraction * self._resin(change)
+        fill = piece.fill_fraction * self.resin_factor(change)
         curvature = groove.curvature_of_fill(np.clip(fill, 0, FULL))
         base = piece.base + change.get(BASE, 0.0) / 1000
         return replace(piece, groove=groove, base=base, curvature=curvature)
 
-    def _resin(self, change: Mapping[str, float]) -> NDArray[np.float64]:
-        """Return the factor of each groove's resin, (n,)."""
+    def resin_factor(self, change: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the factor of each groove's resin, (n,), or that of all of them, (1,)."""
         modes = self._modes
         if modes is None:
-            return np.full(self.plan.piece.groove_count, 1 + change.get(RESIN, 0.0) / 100)
+            return np.array([1 + change.get(RESIN, 0.0) / 100])
         found = np.zeros(modes.shape[1])
         for name, mode in zip((RESIN, TONE), modes, strict=False):
             found += mode * change.get(name, 0.0) / (100 * np.sqrt(np.mean(mode**2)))

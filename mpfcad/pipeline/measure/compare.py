@@ -9,7 +9,9 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
-from mpfcad.pipeline.measure.case import Case, Measuring, baseline_case, measure_case
+from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.measure.case import Case, baseline_case
+from mpfcad.pipeline.measure.figures import Measuring, case_confidence, measure_case
 from mpfcad.pipeline.measure.led_case import plain_cases
 from mpfcad.pipeline.measure.measure import describe_case, screen
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -22,22 +24,31 @@ _CELL_WHAT = ("contrast",)
 
 
 def compare_cases(
-    cases: list[Case], out: Path, measuring: Measuring, progress: Progress = SILENT
+    cases: list[Case],
+    out: Path,
+    measuring: Measuring,
+    progress: Progress = SILENT,
+    *,
+    confidence: bool = False,
 ) -> dict[str, Any]:
     """Measure cases into the folder `out`, which appears whole or not at all; return the record.
 
     What is measured is kept by the hash of mesh, stack, seed and effort: a comparison that was
-    interrupted, or that gets one more case, traces only what is new.
+    interrupted, or that gets one more case, traces only what is new. With `confidence` each case
+    says how likely its contrast holds with every input's uncertainty.
 
     Raises
     ------
     InputError
         when `out` is something else than an older comparison, or LEDs light some cases and tubes
-        others.
+        others, or the confidence is asked of LEDs or a finite panel.
     """
     from mpfcad.report import write_compare_page
 
     is_cell = _all_leds(cases)
+    if confidence:
+        for case in cases:
+            refuse_confidence(case.lit.stack)
     bases = plain_cases(cases[0].lit) if is_cell else [baseline_case()]
     known = [base.lit.case for base in bases]
     others = [case for case in cases if case.lit.case not in known]
@@ -47,6 +58,10 @@ def compare_cases(
         base = rows[len(bases) - 1]
         for row in rows:
             row |= _relative(row, base)
+        if confidence:
+            for case, row in zip((*bases, *others), rows, strict=True):
+                progress.stage(f"{row['label']}: confidence")
+                row["confidence"] = case_confidence(case, row["contrast"], measuring, progress)
         record = {
             "schema": 1,
             "baseline": base["label"],

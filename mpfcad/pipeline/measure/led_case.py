@@ -4,8 +4,8 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from mpfcad.measure import Lit, light_film
-from mpfcad.pipeline.measure.case import Case, plain_case, read_case, write_plain
+from mpfcad.measure import Lit
+from mpfcad.pipeline.measure.case import Case, mesh_case, plain_case, read_case, write_plain
 
 
 def read_cases(source: str, stack: str | None = None) -> list[Case]:
@@ -33,7 +33,7 @@ def plain_cases(lit: Lit) -> list[Case]:
     kept = tuple(layer for layer in stack.layers if stack.kind_of(layer) != "film")
     own = {name: layer for name, layer in stack.own.items() if name in kept}
     empty = replace(stack, layers=kept, own=own, prism=None)
-    none = Case("no prism film", "none", light_film(empty, None))
+    none = replace(mesh_case(None, empty, 0.0), name="no prism film")
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
         write_plain(stack, mesh)

@@ -6,12 +6,13 @@ from typing import Any
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.measure import Lit
-from mpfcad.pipeline.measure.case import (
+from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.measure.case import Case, baseline_case
+from mpfcad.pipeline.measure.figures import (
     CELL_WHAT,
     WHAT,
-    Case,
     Measuring,
-    baseline_case,
+    case_confidence,
     measure_case,
 )
 from mpfcad.pipeline.progress import SILENT, Progress
@@ -40,15 +41,24 @@ def default_what(case: Case) -> tuple[str, ...]:
 
 
 def measure_film(
-    case: Case, what: tuple[str, ...], out: Path, measuring: Measuring, progress: Progress = SILENT
+    case: Case,
+    what: tuple[str, ...],
+    out: Path,
+    measuring: Measuring,
+    progress: Progress = SILENT,
+    *,
+    confidence: bool = False,
 ) -> dict[str, Any]:
     """Measure a case into the folder `out`, which appears whole or not at all; return the record.
+
+    With `confidence` also how likely its contrast holds with every input's uncertainty.
 
     Raises
     ------
     InputError
         when `out` is something else than an older measurement, or `panel` is asked of a stack
-        that repeats without end, or what is not measured under LEDs.
+        that repeats without end, or what is not measured under LEDs, or the confidence of what
+        has none.
     """
     from mpfcad.measure import check_finite
     from mpfcad.report import write_measure_page, write_pictures
@@ -60,8 +70,16 @@ def measure_film(
         )
     if "panel" in what:
         check_finite(case.lit)
+    if confidence:
+        refuse_confidence(case.lit.stack)
+        if "contrast" not in what:
+            raise InputError(
+                f"--confidence: --what {','.join(what)}: expected contrast among what is measured"
+            )
     with export_folder(out, "measure") as folder:
         record = measurement(case, what, measuring, progress)
+        if confidence:
+            record["confidence"] = case_confidence(case, record["contrast"], measuring, progress)
         write_text(folder / MEASURE_FILE, canonical_json(record))
         if "camera" in record:
             write_pictures(folder, record["camera"], record["screen"]["lamps_level"])

@@ -129,6 +129,11 @@ class Plan:
         return self.piece.origin - self.lamp_position
 
     @property
+    def angle_tolerance(self) -> float:
+        """Largest angle [rad] between a facet of its files and the surface it stands for."""
+        return self.job.cad.angle_tolerance
+
+    @property
     def curvature(self) -> NDArray[np.float64]:
         """Every curvature [1/mm] that its screens have to print, one axis."""
         return np.concatenate([np.ravel(film.printed.content[-1]) for film in self.films])

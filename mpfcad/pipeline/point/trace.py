@@ -1,34 +1,31 @@
 """One point of a sweep: its film is made, read back and traced; the same wherever it is done."""
 
-import math
 import tempfile
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from mpfcad.backlight import Quantity, Stack
+from mpfcad.backlight import Stack
 from mpfcad.boundary import guarded
 from mpfcad.errors import InputError
 from mpfcad.film import Groove
-from mpfcad.job import FilmTable, build_job
+from mpfcad.job import FilmTable, GateTable, build_job
 from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, LED_AXES, REGISTRATION_AXES, Sweep
-from mpfcad.pipeline.effort import NO_GOAL
+from mpfcad.pipeline.confidence.covariance import with_covariance
+from mpfcad.pipeline.confidence.find import refuse_confidence
 from mpfcad.pipeline.plan.departure import Departure
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.plan.printed.printable import printable_range
 from mpfcad.pipeline.point.led import compile_for_cell, departure_of, trace_cell_point
 from mpfcad.pipeline.point.thickness_limit import spread_lamps
+from mpfcad.pipeline.point.tube import trace_tube_point
 from mpfcad.pipeline.progress import SILENT
-from mpfcad.pipeline.run.make import job_rules, write_cad
+from mpfcad.pipeline.run.make import job_rules
 from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import work_key
-from mpfcad.units import deg
-
-if TYPE_CHECKING:
-    from mpfcad.measure import LuminanceResult
 
 #: Kind of entry of a point in the store.
 POINT = "point"
@@ -36,6 +33,13 @@ _SEARCH = ("goal", "constraint", "search")
 #: Fields of a plan that name files.
 _NAMES = ("job", "input_file", "crossed")
 _TUBE_AXES = (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES)
+#: Fields of a point's job that name files beside the sweep.
+_FILES = (
+    ("map", "file"),
+    ("process", "calibration"),
+    ("stack", "file"),
+    ("confidence", "covariance"),
+)
 #: Stands for the map until a design has found it.
 _ANY_CURVATURE = 50.0
 
@@ -73,9 +77,12 @@ class Point:
         InputError
             naming the point and what is wrong.
         """
+        file = Path(self.where)
         try:
-            job, file = build_job(self.job, self.where), Path(self.where)
+            job = with_covariance(build_job(self.job, self.where), file)
             stack = read_job_stack(job, file)
+            if job.wants_confidence:
+                refuse_confidence(stack)
             if stack.period.along > 0:
                 return read_plan(job, file, self._departure(stack))
             _refuse_led_axes(self.coordinate, self.where)
@@ -152,7 +159,11 @@ def build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
 
 def _build_point(sweep: Sweep, file: Path, coordinate: dict[str, Any]) -> Point:
     document = sweep.job_document(coordinate)
-    for table, key in (("map", "file"), ("process", "calibration"), ("stack", "file")):
+    if "confidence" in document:
+        limit = sweep.contrast_limit
+        least = min(limit, GateTable().contrast_pass)
+        document["gates"] = {"contrast_pass": least, "contrast_marginal": limit}
+    for table, key in _FILES:
         name = document.get(table, {}).get(key)
         if isinstance(name, str):
             document[table][key] = str((file.parent / name).resolve())
@@ -202,21 +213,6 @@ def conventional_point(like: Point, seed: int) -> Point:
     return Point({}, job, like.where, like.half_width, like.path_limit)
 
 
-def local_shift(plan: Plan, coordinate: dict[str, Any]) -> float:
-    """Return the film's shift against the lamps [mm] where it is largest on the panel.
-
-    Shift as it is; stretch and a wrong lamp pitch grow from the panel's middle to its sides; a
-    rotated film's phase drifts along the lamps, to y tan(rotation) at their ends. The turn of the
-    grooves themselves is left out: its cosine is 1 within 1e-5 up to 0.25°.
-    """
-    stack = plan.stack
-    shift = coordinate.get("shift_mm", 0.0)
-    shift += coordinate.get("stretch_percent", 0.0) / 100 * stack.panel_width / 2
-    shift += coordinate.get("lamp_pitch_error_mm", 0.0) * (stack.source.count - 1) / 2
-    shift += math.tan(coordinate.get("rotation_deg", 0.0) * deg) * stack.panel_length / 2
-    return shift
-
-
 def describe_point_screen(plan: Plan) -> str | None:
     """Return the screen that prints a point's film, or why it does not; None: no print makes it."""
     if plan.process is None:
@@ -253,8 +249,6 @@ def compile_for(point: Point) -> None:
 
 def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
     """Return the figures of a point, in outside names."""
-    from mpfcad.record import describe_luminance
-
     with tempfile.TemporaryDirectory() as temporary:
         searched, plan = _search(point, Path(temporary), threads)
     is_cell = plan.stack.period.along > 0
@@ -266,30 +260,11 @@ def trace_point(point: Point, threads: int = 1) -> dict[str, Any]:
         "search": searched,
         "screen": describe_point_screen(plan),
     }
+    limits = point.half_width, point.path_limit
     if is_cell:
         departure = departure_of(plan.stack, point.coordinate, point.where)
-        limits = point.half_width, point.path_limit
         return {**said, **trace_cell_point(plan, departure, *limits, threads)}
-    shift, found = _trace_pitch(point, plan, threads)
-    return {**said, "local_shift_mm": shift, **describe_luminance(found)}
-
-
-def _trace_pitch(point: Point, plan: Plan, threads: int) -> "tuple[float, LuminanceResult]":
-    """Return the film's largest shift against tubes [mm], and the luminance there."""
-    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
-
-    stack, shift = plan.stack, local_shift(plan, point.coordinate)
-    error = point.coordinate.get("lamp_pitch_error_mm", 0.0)
-    if error:
-        wrong = Quantity(stack.period.across + error, "given", "axis of the sweep")
-        stack = stack.with_values({"lamp_pitch_mm": wrong})
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        write_cad(plan, folder, ("stl",), SILENT)
-        lit = light_film(stack, folder / "film.stl", plan.offset + shift)
-        run = TraceRun(seed=plan.job.seed, threads=threads, path_limit=point.path_limit)
-        goal = point.half_width or NO_GOAL
-        return shift, luminance_over_pitch(lit, run, half_width_goal=goal)
+    return {**said, **trace_tube_point(plan, point.coordinate, *limits, threads)}
 
 
 def _search(point: Point, folder: Path, threads: int) -> tuple[dict[str, Any] | None, Plan]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
@@ -40,6 +40,10 @@ from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan
 from mpfcad.pipeline.run.repair import repair_mesh
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 from mpfcad.store import Store
+
+if TYPE_CHECKING:
+    from mpfcad.measure import LuminanceResult
+    from mpfcad.pipeline.measure.case import Case
 
 VERIFICATION = "verification.json"
 REPORT, PRINTED = "report.html", "report.pdf"
@@ -248,26 +252,25 @@ def trace_mesh(
     progress: Progress = SILENT,
     prism: Path | None = None,
     repair: bool = False,
+    confidence: bool = False,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
     edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
-    With `repair` a mesh that is no solid is repaired into a file beside it, which is traced.
+    With `repair` a mesh that is no solid is repaired into a file beside it, which is traced; with
+    `confidence` also how likely the usual limits are met with every input's uncertainty.
 
     Raises
     ------
     InputError
-        when the mesh is no closed film or the stack is wrong.
+        when the mesh is no closed film or the stack is wrong, or has no confidence.
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import (
-        TraceRun,
-        light_film,
-        luminance_over_cell,
-        luminance_over_pitch,
-    )
+    from mpfcad.measure import TraceRun, luminance_over_cell, luminance_over_pitch
+    from mpfcad.pipeline.confidence.find import refuse_confidence
+    from mpfcad.pipeline.measure.case import mesh_case
     from mpfcad.record import describe_cell, describe_luminance
 
     if mesh is not None and not mesh.is_file():
@@ -278,7 +281,10 @@ def trace_mesh(
         mesh, repaired = repair_mesh(mesh, progress)
     progress.stage(f"tracing {mesh or stack}")
     backlight = read_stack(stack, thickness=thickness).with_prism(prism)
-    lit = light_film(backlight, mesh, offset)
+    if confidence:
+        refuse_confidence(backlight)
+    case = mesh_case(mesh, backlight, offset)
+    lit = case.lit
     with Checkpoints(Store.open(progress.note)) as checkpoints:
         run = TraceRun(
             seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
@@ -287,9 +293,10 @@ def trace_mesh(
         if lit.is_cell:
             figures = describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), seed)
         else:
-            figures = describe_luminance(
-                luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
-            )
+            found = luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
+            figures = describe_luminance(found)
+            if confidence:
+                figures["confidence"] = _confidence(case, found, seed, run.threads, progress)
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     for table in backlight.tables.values():
         progress.note(table.table.summary())
@@ -309,3 +316,17 @@ def trace_mesh(
     if repaired:
         traced["repaired_from"] = repaired
     return {"schema": 1, "traced": traced, **figures}
+
+
+def _confidence(
+    case: "Case", found: "LuminanceResult", seed: int, threads: int, progress: Progress
+) -> dict[str, Any]:
+    """Return how likely the limits are met by a film that was traced."""
+    from mpfcad.pipeline.confidence.find import Asked, confidence_of
+    from mpfcad.pipeline.confidence.runs import reading_of
+
+    asked, subject = Asked.of(None, seed), case.subject()
+    with case.variants(subject, asked) as variants:
+        return confidence_of(
+            variants, reading_of(found), found.contrast.value, asked, threads, progress
+        )

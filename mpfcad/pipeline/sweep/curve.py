@@ -88,7 +88,17 @@ def _optimum(axis: str, rest: dict, curve: list[dict[str, Any]], sweep: Sweep) -
         "below_limit": ranges_below(x, value, sweep.contrast_limit),
         "certain_below_limit": ranges_below(x, high, sweep.contrast_limit),
         "brightest_below_limit": brightest,
+        **_likeliest(axis, curve),
     }
+
+
+def _likeliest(axis: str, curve: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the point most likely within the limit in the real backlight, where that was asked."""
+    if "confidence" not in curve[0]:
+        return {}
+    found = [result["confidence"]["probability"]["marginal"] for result in curve]
+    best = max(range(len(curve)), key=lambda i: found[i]["value"])
+    return {"likeliest": {axis: curve[best]["coordinate"][axis], **found[best]}}
 
 
 def ranges_below(x: np.ndarray, value: np.ndarray, limit: float) -> list[list[float]]:

@@ -117,6 +117,19 @@ def _places(result: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     return "cell", {"position_across_period": place, "position_along_period": place}
 
 
+def _likely(result: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = result["confidence"]["probability"]["marginal"]
+    return found
+
+
+#: Probability that a point's contrast is within the limit, and its interval, by their names.
+_LIKELY: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "probability": lambda result: _likely(result)["value"],
+    "probability_low": lambda result: _likely(result)["ci95"][0],
+    "probability_high": lambda result: _likely(result)["ci95"][1],
+}
+
+
 def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> None:
     """Write the results as a netCDF file (version 3): one dimension an axis, and the position."""
     import xarray
@@ -145,6 +158,8 @@ def write_dataset(path: Path, sweep: Sweep, results: list[dict[str, Any]]) -> No
     for name, values in variables.items():
         of = unit if name.startswith("mean") else "mm" if name == "local_shift" else "1"
         data[name] = (axes, values, {"units": of})
+    if "confidence" in results[0]:
+        data |= {name: (axes, grid(pick), {"units": "1"}) for name, pick in _LIKELY.items()}
     for name in ("luminance", "standard_error"):
         key = f"{name}_cd_m2"
         values = grid(partial(_of_curve, table, key))

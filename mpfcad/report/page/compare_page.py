@@ -8,7 +8,7 @@ from mpfcad.report.drawing.angle_figure import angular_overlay, pitch_figure
 from mpfcad.report.drawing.plot import Plot, plot
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.led_compare_page import build_led_compare_page
-from mpfcad.report.page.number import with_error
+from mpfcad.report.page.number import with_error, with_interval
 
 Record = dict[str, Any]
 #: Colours that stay apart for most colour-blind readers (Okabe and Ito, "Color universal design").
@@ -29,6 +29,7 @@ def write_compare_page(path: Path, record: Record) -> None:
         kind="films and stacks",
         head=f"{len(cases)} cases, seed {record['seed']}, effort {record['effort']}.",
         cases=[_summary(case) for case in cases],
+        likely="confidence" in cases[0],
         pitch=plot(pitch_figure(curves), "pitch"),
         angles=[(axis, _angles(dressed, axis)) for axis in ("horizontal", "vertical")],
         rows=_rows(cases),
@@ -56,8 +57,20 @@ def _summary(case: Record) -> Record:
             _pair(case["angular"][plane(case, "vertical")]["fwhm_deg"], 1),
             _pair(case["relative_efficiency"], 3),
             str(case["sheet_count"]),
+            *_likely(case),
         ],
     }
+
+
+def _likely(case: Record) -> list[str]:
+    """Return how likely a case is accepted; nothing where that was not asked."""
+    if "confidence" not in case:
+        return []
+    found = case["confidence"]
+    low, high = found["contrast"]["ci95"]
+    words = [with_interval(found["probability"]["marginal"], 2), f"contrast {low:.4f} … {high:.4f}"]
+    words += [f"most by {one['name']}" for one in found["inputs"][:1]]
+    return [", ".join(words)]
 
 
 def _pair(estimate: Record | None, decimals: int) -> str:

@@ -16,6 +16,7 @@ from mpfcad.report.drawing.angle_figure import (
 from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
 from mpfcad.report.drawing.picture import PICTURES, band_width
 from mpfcad.report.drawing.plot import plot
+from mpfcad.report.film.confidence_section import confidence_values
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.number import number
 
@@ -31,6 +32,7 @@ TITLES = {
     "uniformity": "Uniformity of the screen",
     "camera": "Camera image",
     "panel": "The whole panel",
+    "confidence": "Does the contrast hold in the real backlight?",
 }
 
 
@@ -199,6 +201,10 @@ def _panel(record: Record, folder: Path) -> Record:
     }
 
 
+def _confidence(record: Record, folder: Path) -> Record | None:
+    return confidence_values(record)
+
+
 _VALUES = {
     "contrast": _contrast,
     "angular": _angular,
@@ -207,4 +213,5 @@ _VALUES = {
     "uniformity": _uniformity,
     "camera": _camera,
     "panel": _panel,
+    "confidence": _confidence,
 }

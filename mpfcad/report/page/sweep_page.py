@@ -78,6 +78,7 @@ def _points(record: dict[str, Any]) -> dict[str, Any]:
             number(one["local_shift_mm"], 4),
             number(one["paths"]),
             one.get("screen") or "none: not printed",
+            *_likely(one),
         ]
         for one in record["points"]
     ]
@@ -88,8 +89,18 @@ def _points(record: dict[str, Any]) -> dict[str, Any]:
         "shift [mm]",
         "paths",
         "screen",
+        *(["likely in the real backlight"] if "confidence" in record["points"][0] else []),
     )
-    return {"head": head, "rows": rows, "numeric": range(len(axes), len(head) - 1)}
+    return {"head": head, "rows": rows, "numeric": range(len(axes), len(axes) + 4)}
+
+
+def _likely(point: dict[str, Any]) -> list[str]:
+    """Return how likely a point is within the limit and by what; nothing where not asked."""
+    if "confidence" not in point:
+        return []
+    found = point["confidence"]
+    first = [f"most by {one['name']}" for one in found["inputs"][:1]]
+    return [", ".join([with_interval(found["probability"]["marginal"], 2), *first])]
 
 
 def curves_figure(record: dict[str, Any]) -> "go.Figure":
