@@ -35,3 +35,16 @@ def case_words(case: dict[str, Any]) -> str:
     first = case["confidence"]["inputs"][:1]
     hangs = "".join(f", most by {one['name']}" for one in first)
     return f"; at most {found['limit']:g}: {found['value']:.2f} [{low:.2f}, {high:.2f}]{hangs}"
+
+
+def print_both(found: dict[str, Any]) -> None:
+    """Print how likely the nominal design and that for confidence are within the limit."""
+    for name in ("nominal", "confidence"):
+        likely = found[name]["probability"]["marginal"]
+        low, high = likely["ci95"]
+        mark = ", chosen" if name == found["chosen"] else ""
+        print(
+            f"{name} design: at most {likely['limit']:g}: {likely['value']:.2f} "
+            f"[{low:.2f}, {high:.2f}] likely; {found[name]['traced_within']} of "
+            f"{found['traced_draws']} traced draws{mark}"
+        )

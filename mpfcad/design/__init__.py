@@ -13,6 +13,7 @@ from mpfcad.design.grid import Grid
 from mpfcad.design.optimum import Correction, Goal, Prediction, find_optimum, predict
 from mpfcad.design.reach import Reach, find_reach
 from mpfcad.design.response import Operators, Response
+from mpfcad.design.scenario import FilmState, Scenarios, drawn_contrasts, find_likely
 from mpfcad.design.search import Iteration, Traced, best_of, correction_of, search_by_response
 from mpfcad.design.thesis import search_by_inversion
 
@@ -21,6 +22,7 @@ __all__ = [
     "ROWS",
     "Constraint",
     "Correction",
+    "FilmState",
     "Goal",
     "Grid",
     "Iteration",
@@ -28,12 +30,15 @@ __all__ = [
     "Prediction",
     "Reach",
     "Response",
+    "Scenarios",
     "Traced",
     "best_of",
     "bound_contrast",
     "correction_of",
     "cosine_basis",
+    "drawn_contrasts",
     "estimate_operators",
+    "find_likely",
     "find_optimum",
     "find_reach",
     "predict",

@@ -19,7 +19,7 @@ from mpfcad.design.response import Response
 TRUST, SMALLEST = 10.0, 0.05
 _STEPS = 40
 #: Price of 1 /mm of a harmonic: where the contrast does not care, the map stays flat.
-_FLATNESS = 1e-6
+FLATNESS = 1e-6
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ def _step(
     add([(0, -harmonic), (count, -absolute)], series[1:])
     cost = np.zeros(size)
     cost[:count] = -goal.luminance_weight * parts[0][2]
-    cost[count : 2 * count - 1] = _FLATNESS * np.arange(1, count)
+    cost[count : 2 * count - 1] = FLATNESS * np.arange(1, count)
     cost[-1] = 1.0
     bounds: list[tuple[float | None, float | None]] = [(-trust, trust)] * count + [(0, None)] * (
         count - 1

@@ -125,9 +125,13 @@ class Response:
 
     def luminance(self, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the luminance [cd/m²] over each cell, (cells,), of curvatures [1/mm], (cells,)."""
+        return self.smooth @ self.raw_luminance(curvature)
+
+    def raw_luminance(self, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the luminance as `luminance` does, with the noise beyond its harmonics."""
         film = self.films(curvature)
-        raw = np.einsum("i,xij,xj->x", self.entry, film, self._after(self._solve(film)))
-        return self.smooth @ raw
+        after = self._after(self._solve(film))
+        return np.einsum("i,xij,xj->x", self.entry, film, after)
 
     def jacobian(
         self, curvature: NDArray[np.float64], *, symmetric: bool = False

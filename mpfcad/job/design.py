@@ -25,9 +25,9 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
 
 
 class GoalTable(Table):
-    """`[goal]`: least contrast, most luminance within a contrast, or a trade of both."""
+    """`[goal]`: least contrast, most luminance within it, a trade of both, or most confidence."""
 
-    aim: Literal["contrast", "luminance", "trade"] = "contrast"
+    aim: Literal["contrast", "luminance", "trade", "confidence"] = "contrast"
     contrast_target: Annotated[Positive, Field(le=1)] = 0.008
     luminance_weight: Annotated[Positive, Field(le=100)] | None = None
 
@@ -104,6 +104,16 @@ class Design(Table):
     trace: TraceTable = TraceTable()
     baseline: BaselineTable | None = None
     confidence: ConfidenceTable | None = None
+
+    @model_validator(mode="after")
+    def _one_aim(self) -> "Design":
+        if self.goal.aim != "confidence":
+            return self
+        if self.search.method == "thesis":
+            raise ValueError('goal.aim = "confidence": expected search.method = "response"')
+        if self.thickness is not None:
+            raise ValueError('goal.aim = "confidence": expected one thickness, no [thickness]')
+        return self
 
     @model_validator(mode="after")
     def _one_thickness(self) -> "Design":

@@ -79,6 +79,8 @@ class Sweep(Table):
             free = "." in axis or axis == LAMP_AXIS
             if self.design and (not free or axis[:4] == "map."):
                 raise ValueError(f"axis {axis}: has no meaning where [design] finds the map")
+        if self.design and self.design.goal.aim == "confidence":
+            raise ValueError('design.goal.aim = "confidence": expected another aim in a sweep')
         if self.design and self.map:
             raise ValueError("map: expected no map where [design] finds it")
         return self

@@ -17,7 +17,9 @@ from mpfcad.record import published_schema
 JOB = """
 name = "c"
 [map]
-rows = [[0.0, 62.0], [16.345, 60.0], [32.69, 62.0]]
+rows = [[0.0, 62.0], [4.0, 60.0], [8.0, 62.0]]
+[stack.override]
+lamp_pitch_mm = 8.0
 [confidence]
 registration_mm = 0.5
 """
@@ -31,6 +33,7 @@ contrast_limit = 0.2
 half_width = 0.0
 paths_million = 0.02
 """
+SMALL = "[stack.override]\nlamp_pitch_mm = 8.0\n"
 
 
 @pytest.fixture
@@ -38,7 +41,7 @@ def place(tmp_path, monkeypatch):
     """Give a folder where traces end after a round, and changed films are not traced at all."""
     film_file(tmp_path / "film.stl", [groove(60.0)] * 20, base=0.2)
     (tmp_path / "job.toml").write_text(JOB)
-    (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "sweep.toml").write_text(SWEEP + SMALL)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(rounds, "_LEAST_PATHS", 60_000)

@@ -84,6 +84,17 @@ def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path, monkeypatch):
         (("= 62.0", "= 40.0"), ["constraint.curvature_max_per_mm: 40", "above the smallest"]),
         (("= 18.0", "= 1.0"), ["thickness_mm: 1"]),
         (("[goal]", '[goal]\naim = "trade"'), ["goal", "luminance_weight"]),
+        (
+            (
+                DESIGN[DESIGN.index("contrast_target") : DESIGN.index("iterations")],
+                'aim = "confidence"\n[search]\nmethod = "thesis"\n',
+            ),
+            ['goal.aim = "confidence"', 'expected search.method = "response"'],
+        ),
+        (
+            ("[goal]", 'thickness = { min_mm = 10, max_mm = 12 }\n[goal]\naim = "confidence"'),
+            ['goal.aim = "confidence"', "expected one thickness"],
+        ),
     ],
 )
 def test_what_is_wrong_with_a_design_is_said_in_one_line(tmp_path, change, words):
@@ -121,6 +132,13 @@ def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
         (("shift_mm", "shift_um"), ["shift_um", "expected table.field"]),
         (("[50.0, 60.0]", "[50.0, 90.0]"), ["90", "not printable", "map.curvature_per_mm = 90"]),
         (("[50.0, 60.0]", "[50.0, 50.0]"), ["none twice"]),
+        (
+            (
+                '"map.curvature_per_mm" = [50.0, 60.0]\nshift_mm = [0.0, 0.5]',
+                '"stack.thickness_mm" = [16.0]\n[design.goal]\naim = "confidence"',
+            ),
+            ["expected another aim in a sweep"],
+        ),
         (("shift_mm = [0.0, 0.5]", '"film.profile" = ["filed"]'), ["film.profile: filed"]),
     ],
 )

@@ -21,6 +21,7 @@ def command(
     ] = True,
 ) -> int:
     """Find the curvature map for a backlight; write its job and verify it."""
+    from mpfcad.cli.likely import print_both
     from mpfcad.cli.make import run
     from mpfcad.cli.terminal import Terminal
     from mpfcad.job.design import read_design
@@ -37,6 +38,8 @@ def command(
     record = json.loads((folder / "design.json").read_bytes())
     for sentence in range_words(record["thickness"]) if record["thickness"] else ():
         print(sentence)
+    if record["confidence"] is not None:
+        print_both(record["confidence"])
     print(f"{job_file}\n{folder / 'design.html'}")
     if not verify:
         return 0

@@ -166,6 +166,10 @@ class Runs:
             )
         return found[0], found[1], found[2], found[3]
 
+    def trace(self, steps: NDArray[np.float64], blocks: int) -> NDArray[np.float64]:
+        """Return the coefficients (m,) of a run with inputs at steps (k,) of their sigma."""
+        return self._trace(steps, blocks)[0]
+
     def _trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
         """Return the coefficients of a run and their covariance."""
         from mpfcad.optics.engine import trace

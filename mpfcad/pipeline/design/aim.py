@@ -67,9 +67,9 @@ def _levelling(job: Job, process: Process, file: Path) -> float | None:
 
 
 def design_goal(design: Design) -> Goal:
-    """Return what the search is to reach."""
+    """Return what the search is to reach; before one for confidence, the nominal one."""
     table, shift = design.goal, design.constraint.registration_mm
-    if table.aim == "contrast":
+    if table.aim in ("contrast", "confidence"):
         return Goal(registration=shift)
     if table.luminance_weight is not None:  # aim = "trade"
         return Goal(luminance_weight=table.luminance_weight, registration=shift)

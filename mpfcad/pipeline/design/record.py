@@ -13,10 +13,15 @@ from mpfcad.store import versions
 def describe_design(
     work: DesignWork,
     done: list[Iteration],
+    chosen: Iteration,
     reach: dict[str, Any] | None,
     thickness: dict[str, Any] | None,
+    likely: dict[str, Any] | None,
 ) -> dict[str, Any]:
-    """Return everything that was found, in outside names; `thickness` over a range of it."""
+    """Return everything that was found, in outside names.
+
+    `thickness` is over a range of it, `likely` of a search for confidence.
+    """
     constraint = work.constraint
     return {
         "schema": 1,
@@ -35,8 +40,9 @@ def describe_design(
         "thickness_mm": work.stack.thickness,
         "thickness": thickness,
         "iterations": [describe_iteration(one) for one in done],
-        "chosen": done.index(work.best(done)),
-        "paths": sum(one.paths for one in done),
+        "chosen": done.index(chosen),
+        "confidence": likely,
+        "paths": sum(one.paths for one in done) + (likely["paths"] if likely else 0),
         "versions": versions(),
     }
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.job.design import Design
+from mpfcad.pipeline.design.likely import search_likely
 from mpfcad.pipeline.design.reach import describe_reach
 from mpfcad.pipeline.design.record import describe_design
 from mpfcad.pipeline.design.thickness import ThicknessSearch
@@ -53,9 +54,14 @@ def run_design(
         work = range_search.work(least or design.thickness.max_mm)
     done = work.search_maps(design.goal.contrast_target)
     reach = describe_reach(work, done) if design.search.method == "response" else None
-    record = describe_design(work, done, reach, found)
+    chosen, likely = work.best(done), None
+    if design.goal.aim == "confidence":
+        likeliest = search_likely(work, done)
+        chosen, likely = likeliest.chosen, likeliest.record
+        done = [*done, *likeliest.traced]
+    record = describe_design(work, done, chosen, reach, found, likely)
     with export_folder(out, "design") as folder:
-        best = np.array(work.best(done).rows)
+        best = np.array(chosen.rows)
         work.write_job(folder, best, os.path.relpath(design_file.parent, out))
         write_text(folder / RECORD, canonical_json(record))
         from mpfcad.report import write_design_page

@@ -39,6 +39,10 @@ from mpfcad.store import Store
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
 _NODE_STEP = 6.0
 _UNIFORM_FILMS = 7
+#: Resin of a print over what is meant, at most; fill up to where a groove is as good as full.
+_MORE_RESIN, _FULL = 2.0, 0.999
+#: Fields of a design that name files beside it.
+_FILES = (("process", "calibration"), ("stack", "file"), ("confidence", "covariance"))
 #: Half the distance [mm] between the two rows at a step of a map of levels.
 _STEP = 1e-6
 
@@ -49,6 +53,7 @@ class DesignWork:
     def __init__(self, design: Design, file: Path, threads: int, progress: Progress) -> None:
         design, job = with_design_screen(design, file)
         self.design, self.file, self.threads, self.progress = design, file, threads, progress
+        self.job = job
         self.stack = read_job_stack(job, file)
         self.groove = design.film.groove
         calibration = design.process.calibration
@@ -61,10 +66,10 @@ class DesignWork:
         mesh = job.mask.mesh
         self.screen = PHOTOTOOL_ONLY if mesh is None else screen_mesh(mesh, str(file)).name
         self.store = Store.open(progress.note)
-        self.state = KeptTraces(self.store, self._inputs())
+        self.state = KeptTraces(self.store, self.inputs())
         self.model: dict[str, Any] | None = None
 
-    def _inputs(self) -> list[Any]:
+    def inputs(self) -> list[Any]:
         """Return what the traces of given rows depend on, by value."""
         document = self.design.document()
         own = [document[table] for table in ("film", "cad")]
@@ -77,7 +82,7 @@ class DesignWork:
         stop: dict[str, Any] = {
             "iterations": table.iterations,
             "contrast_target": contrast_target,
-            "finish": self._levelled,
+            "finish": self.finished,
         }
         if table.method == "thesis":
             spread = np.linspace(constraint.curvature_min, constraint.curvature_max, _UNIFORM_FILMS)
@@ -101,7 +106,7 @@ class DesignWork:
 
     def estimate(self, grid: Grid) -> Operators:
         """Return the operators of the two-scale model on a grid."""
-        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        low, high = self._model_range()
         node = np.linspace(low, high, max(4, int(np.ceil((high - low) / _NODE_STEP)) + 1))
         return model_operators(
             self.store,
@@ -116,7 +121,17 @@ class DesignWork:
             progress=self.progress.stage,
         )
 
-    def _levelled(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _model_range(self) -> tuple[float, float]:
+        """Return the least and largest C [1/mm] that the model is asked about."""
+        low, high = self.constraint.curvature_min, self.constraint.curvature_max
+        if self.design.goal.aim != "confidence" or self.design.film.profile != "filled":
+            return low, high
+        # A print with more or less resin than meant leaves the range of the map.
+        fill = _MORE_RESIN * float(self.groove.fill_fraction(low))
+        least = float(self.groove.curvature_of_fill(min(fill, _FULL)))
+        return min(low, least), self.groove.curvature_empty
+
+    def finished(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return rows at the design's levels of aperture ratio (`ideal`: of curvature)."""
         levels = self.design.constraint.levels
         if levels is None:
@@ -140,7 +155,7 @@ class DesignWork:
         self.progress.stage(f"tracing {label}" + (f", shifted {shift:g} mm" if shift else ""))
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
-            plan = self._plan(folder, rows)
+            plan = self.plan_of(folder, rows)
             write_cad(plan, folder, ("stl",), SILENT)
             traced = self._trace_mesh(folder / "film.stl", plan.offset + shift, number)
         self.state.keep(number, rows, shift, traced)
@@ -168,7 +183,7 @@ class DesignWork:
             found.paths,
         )
 
-    def _plan(self, folder: Path, rows: NDArray[np.float64]) -> Plan:
+    def plan_of(self, folder: Path, rows: NDArray[np.float64]) -> Plan:
         """Return the plan of the job that a map would have."""
         file = folder / "map.csv"
         self.write_map(file, rows)
@@ -196,7 +211,7 @@ class DesignWork:
         name = self.design.name
         self.write_map(folder / f"{name}.csv", rows)
         document = self.design.job_document(f"{name}.csv")
-        for table, key in (("process", "calibration"), ("stack", "file")):
+        for table, key in _FILES:
             file = document.get(table, {}).get(key)
             if file is not None:
                 document[table][key] = str(Path(back) / file)

@@ -29,6 +29,7 @@ def build_design_page(record: dict[str, Any]) -> str:
         record=record,
         result=_result(record),
         thickness=record["thickness"] and thickness_values(record["thickness"]),
+        likely=record["confidence"] and _likely(record["confidence"]),
         curves=plot(curves_figure(record), "curves"),
         progress=plot(progress_figure(record), "progress"),
         iterations=_iterations(record),
@@ -82,6 +83,32 @@ def _reach_words(reach: dict[str, Any]) -> str:
             f"below {reach['contrast_bound']:.4f}: a bound over all of them, by the corrected model"
         )
     return words
+
+
+def _likely(found: dict[str, Any]) -> dict[str, Any]:
+    """Return both designs beside each other, and what the model has promised."""
+    rows = []
+    for name in ("nominal", "confidence"):
+        one = found[name]
+        rows.append(
+            [
+                f"{name}: {one['label']}" + (" (chosen)" if name == found["chosen"] else ""),
+                *(with_interval(one["probability"][key], 2) for key in ("pass", "marginal")),
+                with_interval(one["contrast"], 4),
+                f"{one['traced_within']} of {found['traced_draws']}",
+                f"{np.mean(one['traced_contrast']):.4f}",
+            ]
+        )
+    limits = found["nominal"]["probability"]
+    head = [
+        "design",
+        *(f"likely at most {limits[key]['limit']:g}" for key in ("pass", "marginal")),
+        "contrast with all widths, median and 95 % range",
+        f"traced draws at most {limits['marginal']['limit']:g}",
+        "their mean contrast",
+    ]
+    share = [f"{value:.2f}" for value in found["predicted_share"]]
+    return {"head": head, "rows": rows, "share": share}
 
 
 def _iterations(record: dict[str, Any]) -> dict[str, Any]:
