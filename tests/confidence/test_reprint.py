@@ -51,7 +51,7 @@ def test_a_film_of_any_kind_is_printed_with_so_much_more_resin(tmp_path, kind):
         for step in (-1.0, 0.0, 1.0):
             change = {f.name: (step if i == 0 else 0.0) * f.sigma for i, f in enumerate(factors)}
             volume[step] = trimesh.load(variants._film(change)).volume
-            factor = variants._resin(change)
+            factor = variants.resin_factor(change)
         assert volume[0.0] == pytest.approx(trimesh.load(tmp_path / "film.stl").volume, rel=1e-5)
     # Each place gets so much more than it was printed with, over the area that it takes.
     groove, size = plan.piece.groove, plan.drawn.size

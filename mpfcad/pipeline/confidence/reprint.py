@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mpfcad.pipeline.confidence.variant import RESIN, TONE, Variants
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.kind.base import Kind
+from mpfcad.pipeline.plan.plan import Plan
 
 
 class Reprints(Variants):
@@ -21,13 +22,18 @@ class Reprints(Variants):
         """Return the same scenes."""
         return cls(**{field.name: getattr(variants, field.name) for field in fields(variants)})
 
+    @property
+    def _job(self) -> Plan:
+        assert isinstance(self.plan, Plan)  # what is printed again is a job's film
+        return self.plan
+
     @cached_property
     def _kind(self) -> Kind:
-        return kind_of(self.plan.drawn, self.plan.job.cad)
+        return kind_of(self._job.drawn, self._job.job.cad)
 
     @cached_property
     def _places(self) -> NDArray[np.float64] | None:
-        return self._kind.resin_places(self.plan.piece)
+        return self._kind.resin_places(self._job.piece)
 
     @property
     def has_grooves(self) -> bool:
@@ -43,12 +49,12 @@ class Reprints(Variants):
         modes = process.fill_modes(process.aperture_ratio_of_curvature(places.ravel()))
         return None if modes is None else modes[:2]
 
-    def _film(self, change: Mapping[str, float]) -> Path:
+    def _film(self, change: Mapping[str, float]) -> Path | None:
         """Return the mesh of the film as shipped, or of one that is written with other resin."""
         if self._places is None or not {RESIN, TONE} & set(change):
             return super()._film(change)
-        factor = self._resin(change).reshape(self._places.shape)
-        changed = self._kind.reprinted(self.plan.piece, factor)
+        factor = self.resin_factor(change).reshape(self._places.shape)
+        changed = self._kind.reprinted(self._job.piece, factor)
         path = self.folder / "changed.stl"
-        kind_of(changed, self.plan.job.cad).write(path, self.plan.job.name)
+        kind_of(changed, self._job.job.cad).write(path, self._job.job.name)
         return path

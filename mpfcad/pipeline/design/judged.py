@@ -14,7 +14,7 @@ from mpfcad.design import Iteration
 from mpfcad.measure import POINTS, TraceRun, luminance_over_pitch
 from mpfcad.pipeline.confidence.find import Asked
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
-from mpfcad.pipeline.confidence.variant import RESIN, TONE, Variants
+from mpfcad.pipeline.confidence.variant import FULL, RESIN, TONE, Variants
 from mpfcad.pipeline.design.kept_traces import trace_seed
 from mpfcad.pipeline.design.work import DesignWork
 from mpfcad.pipeline.effort import NO_GOAL
@@ -26,7 +26,6 @@ from mpfcad.store import work_key
 DRAWN, _PATHS = 16, 500_000
 #: Numbers of traces that no search has: of the film's own, and of the draws.
 _OWN, _EACH = 1000, 1001
-_FULL = 0.999
 Change = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -125,6 +124,6 @@ def _change(variants: Variants, factor: Factor, step: float) -> Change:
 
     def change(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
         fill = groove.fill_fraction(curvature) * np.exp(np.interp(curvature, known, log))
-        return groove.curvature_of_fill(np.clip(fill, 0, _FULL))
+        return groove.curvature_of_fill(np.clip(fill, 0, FULL))
 
     return change

@@ -22,6 +22,7 @@ from mpfcad.design import (
 from mpfcad.export import write_text
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
+from mpfcad.pipeline.confidence.variant import FULL
 from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.kept_traces import KeptTraces, trace_seed
 from mpfcad.pipeline.design.operators import model_operators
@@ -39,8 +40,8 @@ from mpfcad.store import Store
 #: Largest distance [1/mm] of the curvatures at which the film is traced alone.
 _NODE_STEP = 6.0
 _UNIFORM_FILMS = 7
-#: Resin of a print over what is meant, at most; fill up to where a groove is as good as full.
-_MORE_RESIN, _FULL = 2.0, 0.999
+#: Resin of a print over what is meant, at most.
+_MORE_RESIN = 2.0
 #: Fields of a design that name files beside it.
 _FILES = (("process", "calibration"), ("stack", "file"), ("confidence", "covariance"))
 #: Half the distance [mm] between the two rows at a step of a map of levels.
@@ -128,7 +129,7 @@ class DesignWork:
             return low, high
         # A print with more or less resin than meant leaves the range of the map.
         fill = _MORE_RESIN * float(self.groove.fill_fraction(low))
-        least = float(self.groove.curvature_of_fill(min(fill, _FULL)))
+        least = float(self.groove.curvature_of_fill(min(fill, FULL)))
         return min(low, least), self.groove.curvature_empty
 
     def finished(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
