@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from typing import get_args
 
 import gdstk
 import klayout.db as kdb
@@ -15,7 +16,12 @@ from small_mask import CURVATURE, DOT, PROCESS, SLOT, build, written
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CurvatureMap
 from mpfcad.gate import demand
+from mpfcad.job.screen import MaskFormat
 from mpfcad.mask import MaskRules, Phototool, check_mask, refuse_large, write_mask
+from mpfcad.mask.check.check import READERS
+from mpfcad.mask.format.write import FORMATS
+from mpfcad.pipeline import MASK_FORMATS
+from mpfcad.pipeline.plan.printed.order import CLOSED_ANY, CLOSED_LATTICE
 
 CLOSED = Phototool(polarity="closed", mirror=True, emulsion_side="squeegee")
 
@@ -302,3 +308,11 @@ def test_a_format_that_would_list_too_much_is_refused_before_anything_is_made(
     with pytest.raises(InputError, match=r"^mask\.gds: mask\.formats: gds lists"):
         write_mask(mask, tmp_path / "mask.gds")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_jobs_name_the_formats_that_there_are():
+    assert get_args(MaskFormat) == MASK_FORMATS == tuple(FORMATS)
+    assert set(FORMATS) == {*READERS, "tif"}
+    assert {*CLOSED_ANY, *CLOSED_LATTICE} == {
+        name for name, style in FORMATS.items() if style.closes
+    }

@@ -10,6 +10,7 @@ from mpfcad.film import PanelFilm, Process
 from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
+from mpfcad.mask.format.write import FORMATS
 from mpfcad.mask.screen.order import artwork_size
 from mpfcad.mask.whole import Told
 from mpfcad.pipeline.kind import Check, kind_of
@@ -22,7 +23,7 @@ from mpfcad.pipeline.progress import Progress
 
 #: Seconds between two lines that say how far a long file is.
 INTERVAL = 10.0
-MASK_FORMATS = ("oas", "gds", "dxf", "gbr", "svg", "tif")
+MASK_FORMATS = tuple(FORMATS)
 CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
 #: Endings of the picture of a mask, and of the markers of what is too narrow in it.
 PICTURE, MARKERS = "png", "lyrdb"
