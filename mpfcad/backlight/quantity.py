@@ -144,7 +144,7 @@ def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | N
         return None
     ends = entry["range"]
     if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
-        raise InputError(f"{where}.range: {ends}: expected [lowest, highest]")
+        raise InputError(f"{where}.range: {ends}: expected [lowest, highest], two finite numbers")
     low, high = map(float, ends)
     if not low <= value <= high:
         raise InputError(f"{where}.range: {ends}: expected to hold the value {value:g}")

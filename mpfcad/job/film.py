@@ -107,9 +107,10 @@ class FilmTable(Table):
         """
         groove = self.groove
         pitch = groove.pitch + self._inside("pitch_error_um")
-        if pitch <= 0:
+        if not abs(self.pitch_error_um) <= self.pitch_um / 2:
             raise ValueError(
-                f"pitch_error_um: {self.pitch_error_um:g}: expected above {-self.pitch_um:g}"
+                f"pitch_error_um: {self.pitch_error_um:g}: expected within half the pitch, "
+                f"{-self.pitch_um / 2:g} … {self.pitch_um / 2:g}"
             )
         angle = groove.prism_angle + self._inside("prism_angle_error_deg")
         if not ANGLE_MIN <= angle <= ANGLE_MAX:

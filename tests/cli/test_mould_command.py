@@ -115,7 +115,12 @@ def test_measured_film(job, tmp_path, capsys):
         ("cad", "tip_radius_um = 60", [], "tip_radius: 60 µm: larger than groove 0 allows"),
         ("cad", "valley_radius_um = 20", [], "valley_radius: 20 µm: larger than the groove"),
         ("cad", "tip_radius_um = -1", [], "film.tip_radius_um: -1"),
-        ("cad", "pitch_error_um = -60", [], "film.pitch_error_um: -60: expected above -50"),
+        (
+            "cad",
+            "pitch_error_um = -60",
+            [],
+            "film.pitch_error_um: -60: expected within half the pitch",
+        ),
         ("cad", "prism_angle_error_deg = 80", [], "film.prism_angle_error_deg: 80: expected"),
         (
             "cad",

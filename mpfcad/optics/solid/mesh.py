@@ -19,6 +19,10 @@ from mpfcad.optics.solid.file import read_solid
 
 #: Heights of films [mm], so that coordinates in µm or m are not taken for mm.
 _HEIGHT = (0.001, 20.0)
+#: Heights [mm] of films that are sold, and of what is read as mm without a question.
+_USUAL, _UNASKED = (0.05, 0.7), (0.012, 3.0)
+_NO_UNIT = ("STL", "binary STL", "PLY", "OBJ")
+_OTHER = {"µm": 1e-3, "inch": 25.4, "mil": 0.0254, "m": 1e3, "cm": 10.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +78,20 @@ def read_film_mesh(path: Path) -> FilmMesh:
     note = solid.summary(path)
     if not mesh.underside and is_flat_above(mesh):
         note += "; the film lies upside down: its flat side is up, and is traced so"
+    high = mesh.size[2]
+    if solid.kind.startswith(_NO_UNIT) and not _UNASKED[0] <= high <= _UNASKED[1]:
+        note += f"; {high:.4g} mm high, taken as mm{_other_unit(high)}"
     return replace(mesh, note=note)
+
+
+def _other_unit(height: float) -> str:
+    """Return in which units a film's height [mm], as read, would be that of films as sold."""
+    found = [
+        f"in {name} it would be {height * factor:.3g} mm"
+        for name, factor in _OTHER.items()
+        if _USUAL[0] <= height * factor <= _USUAL[1]
+    ]
+    return f": {' or '.join(found)}: write it in mm" if found else ""
 
 
 def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -> FilmMesh:
@@ -93,7 +110,7 @@ def film_of(path: Path, vertex: NDArray[np.float64], facet: NDArray[np.int64]) -
     if not _HEIGHT[0] <= size[2] <= _HEIGHT[1]:
         raise InputError(
             f"{path}: mesh: {size[2]:g} mm high: expected {_HEIGHT[0]:g} to {_HEIGHT[1]:g} mm: "
-            "coordinates are in mm"
+            f"coordinates are in mm{_other_unit(float(size[2]))}"
         )
     whole = (float(size[0]), float(size[1]), float(size[2]))
     sides = [_lies_in(vertex, facet, axis, plane) for axis in (0, 1) for plane in (0.0, size[axis])]

@@ -87,7 +87,10 @@ def _draw_made(
         curvature = np.minimum(curvature, groove.curvature_empty)
     factor = _resin_factor(job, piece.groove_count, where)
     made = MadeFilm(replace(piece, groove=groove, curvature=curvature), imperfection, factor)
-    return made.with_resin(piece.resin_height)
+    try:
+        return made.with_resin(piece.resin_height)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def _contact_angle(job: Job, groove: Groove, where: str) -> float | None:

@@ -24,8 +24,10 @@ def read_polygons(path: Path, data: bytes, form: str) -> MeshFile:
         corner = np.asarray(mesh.triangles, float)
     # Whatever a reader of other people's files raises, the file is what is wrong.
     except Exception as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path}: not a readable {form.upper()}: {reason}") from None
+        reason = f": {str(error).splitlines()[0][:120]}" if isinstance(error, ValueError) else ""
+        raise InputError(
+            f"{path}: not a readable {form.upper()}{reason}: expected vertices, and facets of them"
+        ) from None
     if corner.ndim != 3 or len(corner) < 4:
         raise InputError(f"{path}: mesh: {len(corner)} facets: expected 4 or more")
     return MeshFile(f"{form.upper()}, taken as mm", (Body(form, corner),))

@@ -83,7 +83,10 @@ def _shape(path: Path, data: bytes) -> Any:
             file.write(data)
         reader = STEPControl_Reader()
         if reader.ReadFile(name) != IFSelect_RetDone or reader.TransferRoots() < 1:
-            raise InputError(f"{path}: the CAD kernel cannot read this STEP file")
+            raise InputError(
+                f"{path}: begins as STEP, and the CAD kernel finds no solid in it: expected a STEP "
+                "file with a solid"
+            )
         return reader.OneShape()
     finally:
         Path(name).unlink()
