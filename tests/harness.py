@@ -304,6 +304,43 @@ def rays(count: int, up: bool, seed: int = 1, size=(0.1, 0.1)) -> np.ndarray:
     return out
 
 
+def edge_rays(mesh, up) -> np.ndarray:
+    """Return rays (n, 5) at the vertices of an extruded film and along its edges."""
+    vertex = np.unique(mesh.vertex[np.unique(mesh.top)][:, 0])
+    x = np.concatenate([vertex, vertex, (vertex[1:] + vertex[:-1]) / 2, [-0.0, mesh.size[0]]])
+    sign = 1.0 if up else -1.0
+    cases = []
+    for d in (
+        (0.0, 0.0, 1.0),  # exactly vertical: along the edges of an upright wall, through vertices
+        (0.0, -0.0, 1.0),
+        (0.0, 0.8, 0.6),  # in the plane of the edges along y
+        (0.6, 0.0, 0.8),
+        (np.sqrt(0.5), 0.0, np.sqrt(0.5)),  # along the faces of 90° prisms
+        (-np.sqrt(0.5), 0.0, np.sqrt(0.5)),
+        (1.0, 0.0, 1e-9),  # grazing
+        (1e-300, 1e-300, 1.0),
+    ):
+        for y in (0.0, mesh.size[1], 0.05):
+            cases += [(a, y, d[0], d[1], sign * d[2]) for a in x]
+    return np.array(cases)
+
+
+def aimed(mesh, up, count=4000):
+    """Return rays (n, 5) whose first way ends at a vertex or on an edge."""
+    rng = np.random.default_rng(7)
+    corner = mesh.vertex[mesh.top[rng.integers(len(mesh.top), size=count)]]
+    along = np.where(rng.random(count) < 0.5, 0.0, rng.random(count))[:, None]
+    target = corner[:, 0] + along * (corner[:, 1] - corner[:, 0])
+    start = rays(count, up, seed=8)
+    flight = start[:, 2:].copy()
+    if up and mesh.underside:
+        flight[:, :2] /= 1.5
+        flight[:, 2] = np.sqrt(1 - (flight[:, :2] ** 2).sum(axis=1))
+    z = 0.0 if up else mesh.vertex[mesh.used, 2].max()
+    start[:, :2] = (target + ((z - target[:, 2]) / flight[:, 2])[:, None] * flight)[:, :2]
+    return start
+
+
 def through(mesh, start, up, accelerator=None, index=1.5, seed=1) -> np.ndarray:
     """Return way and direction (n, 4) of rays that have passed a film."""
     out = np.empty((len(start), 4))

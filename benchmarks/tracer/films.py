@@ -75,7 +75,7 @@ def film_rows(folder, quick, present):
         return
     peer = mitsuba_film(path, 1.5, False, reflectance=0.95)
     counts = (scale * 300_000, scale * 200_000)
-    yield from race(name, ours(path, "luminance", rho=0.95), peer, counts, 3, 6)
+    yield from race(name, ours(path, "luminance", rho=0.95), peer, counts, 3, 5)
 
 
 def section_rows(folder, quick, present):
@@ -89,7 +89,7 @@ def section_rows(folder, quick, present):
             yield entry(f"{name}: absent", None, "k/s")
             continue
         peer = mitsuba_film(path, 1.5, kind == "transmittance")
-        yield from race(name, ours(path, kind), peer, (2 * paths, paths), 3, 5)
+        yield from race(name, ours(path, kind), peer, (2 * paths, paths), 3, 3)
 
 
 def pyramid_rows(folder, quick, present):

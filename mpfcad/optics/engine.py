@@ -92,7 +92,8 @@ def pass_queue(scene, e, rays, wave, flow):
         # Resin that scatters and films that absorb are followed ray by ray.
         film = scene.parameter[e]
         clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0
-        if tile.accelerator != BVH and clear:
+        layered = tile.accelerator != SECTION or len(tile.layers.part) > 0
+        if tile.accelerator != BVH and layered and clear:
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
     elif scene.kind[e] == CAVITY:
@@ -133,7 +134,7 @@ def _pass_film(tile, film, rays, wave):
     elif tile.accelerator == SECTION:
         section_passages(
             tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-            rays, wave.place, wave.upward, wave.way, wave.rng,
+            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
         )  # fmt: skip
     else:
         film_passages(

@@ -1,19 +1,27 @@
 """Eight rays in one vector do what each of them does alone, bit by bit."""
 
+import functools
+
 import numpy as np
 import pytest
 from harness import (
     BARE,
     CONCAVE,
+    REENTRANT,
     SECTIONS,
+    aimed,
     compiled,
     crossed_mesh,
     dish_mesh,
+    drawn,
+    edge_rays,
     film_mesh,
     groove,
     pass_film,
+    row,
     section_mesh,
     single_paths,
+    write_facets,
 )
 from numba import njit
 
@@ -32,6 +40,7 @@ from mpfcad.optics.search.grid.walk import Walk, walk_on
 from mpfcad.optics.search.seam import with_seam
 from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
+from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
 
@@ -108,21 +117,63 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     assert np.abs(place[:, 3:6] - alone[:, 1:]).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", SECTIONS)
-def test_rays_through_a_section_eight_at_a_time_have_the_bits_of_each_alone(tmp_path, name):
-    mesh = section_mesh(tmp_path, name)
+@functools.cache
+def _section_passages():
+    return compiled(section_passages)
+
+
+def eight_at_a_time(mesh, place, rng, up):
+    """Return the way (n,) and direction (n, 3) of rays that have passed a section."""
     tile = build_tile(mesh, "section")
-    passages = compiled(section_passages)
+    assert len(tile.layers.part)
+    way = np.zeros(len(place), np.int64)
+    _section_passages()(
+        tile, 1.5, 1.0, 0.0, np.arange(len(place)), place, way, rng,
+        np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
+        np.zeros((1, lanes.LANES), np.int64),
+    )  # fmt: skip
+    return way, place[:, 3:6]
+
+
+SOLIDS = {
+    "boxes": ([(0, 0), (0.1, 0), (0.1, 0.1), (0, 0.1)], [(0, 0.13), (0.1, 0.13), (0.1, 0.2),
+              (0, 0.2)], [(0.03, 0.05), (0.03, 0.07), (0.06, 0.07), (0.06, 0.05)]),
+    "re-entrant": (np.c_[np.append(row([REENTRANT] * 2, 0.15)[0], [0.1, 0]),
+                         np.append(row([REENTRANT] * 2, 0.15)[1], [0, 0])][::-1],),
+}  # fmt: skip
+
+
+def solid_mesh(folder, name):
+    if name in SECTIONS:
+        return section_mesh(folder, name)
+    return read_film_mesh(write_facets(folder / "solid.stl", drawn(SOLIDS[name], 0.1)))
+
+
+@pytest.mark.parametrize("name", [*SECTIONS, *SOLIDS])
+def test_rays_through_a_section_are_the_same_alone_and_eight_at_a_time(tmp_path, name):
+    mesh = solid_mesh(tmp_path, name)
     for up in (True, False):
         for count in (1, 7, 5000):
-            start, place, rng, way = any_rays(mesh, count, up)
+            start, place, rng, _ = any_rays(mesh, count, up)
             alone = np.empty((count, 4))
-            pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
-            upward = np.full(count, int(up))
-            passages(tile, 1.5, 1.0, 0.0, np.arange(count), place, upward, way, rng)
+            pass_film(build_tile_table([build_tile(mesh, "section")]), 1.5, up, start, 3, alone)
+            way, direction = eight_at_a_time(mesh, place, rng, up)
             assert (way != 0).all()
             assert np.array_equal(way, alone[:, 0])
-            assert np.array_equal(place[:, 3:6], alone[:, 1:])
+            assert np.abs(direction - alone[:, 1:]).max() < 1e-9
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("name", [*SECTIONS, *SOLIDS])
+def test_no_ray_aimed_at_a_vertex_of_a_section_is_lost_among_eight(tmp_path, name, up):
+    mesh = solid_mesh(tmp_path, name)
+    start = np.concatenate([edge_rays(mesh, up), aimed(mesh, up)])
+    _, place, rng, _ = any_rays(mesh, len(start), up)
+    place[:, :2], place[:, 3:6] = start[:, :2], start[:, 2:]
+    way, direction = eight_at_a_time(mesh, place, rng, up)
+    assert (way != 0).all(), start[way == 0][0]
+    assert np.abs((direction**2).sum(axis=1) - 1).max() < 1e-9
+    assert (np.sign(direction[:, 2]) == way).all()
 
 
 @pytest.mark.parametrize("source", [LAMBERTIAN_BELOW, EYE])

@@ -30,7 +30,7 @@ from mpfcad.optics.element import Film, Sheet, Slab
 from mpfcad.optics.engine import trace
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
-from mpfcad.optics.search.grid.section import build_section
+from mpfcad.optics.search.grid.section import drawn_segments
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 
@@ -68,14 +68,14 @@ def test_the_trace_of_a_file_names_what_it_takes(tmp_path):
 
 def test_a_mesh_that_is_not_drawn_along_y_has_no_section(tmp_path):
     mesh = crossed_mesh(tmp_path)
-    assert build_section(mesh) is None
+    assert drawn_segments(mesh) is None
     with pytest.raises(TraceError, match="section"):
         build_scene([Film(mesh, 1.5, accelerator="section")])
     # Nor one whose far end is another polyline, with corners at both ends only.
     mesh = film_mesh(tmp_path, [CONCAVE])
     vertex = mesh.vertex.copy()
     vertex[(vertex[:, 1] > 0) & (vertex[:, 2] > 0.17)] += (0, 0, 1e-3)
-    assert build_section(FilmMesh(vertex, mesh.top, mesh.size)) is None
+    assert drawn_segments(FilmMesh(vertex, mesh.top, mesh.size)) is None
 
 
 def test_a_film_alone_and_in_a_stack_has_the_same_tallies_by_chain_and_section(tmp_path):

@@ -49,7 +49,7 @@ def film_passages(
     stream = spread(rng[rays[0], STREAM])
     following = 0
     for lane in range(LANES):
-        following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+        following = take_ray(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
     live = load(lane_ray, 0) >= 0
     began, no = live, live ^ live
     inside, amid, fresh = no, no, no
@@ -79,7 +79,7 @@ def film_passages(
             looking = live & (entering ^ True)
             ends = run_data(chain, run)
             met, k, distance, x, z, slope, nz, against = meet_in_run(
-                ends, chain.segment, x, z, dx, dz, k, amid, inside, looking
+                ends, chain.segment, x, z, dx, dz, k, amid, inside, looking, False
             )
             y = y + distance * dy
             number, other, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
@@ -140,13 +140,13 @@ def film_passages(
             store(rng, ray, load(lane_rng, lane))
             sign = -1 if (downward >> lane) & 1 else 1
             way[ray] = 0 if (astray >> lane) & 1 else sign
-            following = _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+            following = take_ray(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
         live = load(lane_ray, 0) >= 0
         began = ended & live
 
 
 @kernel
-def _take(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray):
+def take_ray(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray):
     """Put the queue's next ray into a lane, or empty it; return the number of the one after."""
     if following == len(rays):
         lane_ray[0, uint64(lane)] = _EMPTY

@@ -1,11 +1,9 @@
 """Passages of many rays through an extruded film of any cross-section, eight at a time.
 
-The same physics as `film.film_passage`, ray by ray the same bits. Rays walk over the section's
-cells a segment a step, all lanes at once; when some have arrived, those pass or reflect there and
-start on their next way. A ray that has left the film makes room for the next of the queue.
+The same physics as `film.film_passage`, ray by ray the same, and the same ways of lanes as in
+`chain_lanes`: in one round each ray tries one part of the section's layers, passes or reflects at
+the segment it meets there, and does the same at a flat underside if nothing else is in its way.
 """
-
-import math
 
 from numba import uint64
 
@@ -13,207 +11,167 @@ from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import (
     LANES,
+    any_of,
     bits,
     copy_sign,
-    count_of,
     floor,
+    lowest_bit,
     magnitude,
     select,
     spread,
-    whole,
 )
-from mpfcad.optics.base.lanes_array import gather_row, load, local_floats, local_wholes, store
-from mpfcad.optics.base.sampling import (
-    BLOCK,
-    HAS_SPARE,
-    KEY0,
-    KEY1,
-    PATH0,
-    PATH1,
-    SPARE,
-    STREAM,
-)
+from mpfcad.optics.base.lanes_array import load, load_lines, store, store_lines
+from mpfcad.optics.base.sampling import KEY0, KEY1, STREAM
 from mpfcad.optics.base.sampling_lanes import next_two, take
-from mpfcad.optics.film.passage import MOST_HITS, unit
-from mpfcad.optics.search.grid.section_walk import (
-    choose_section,
-    is_astray,
-    no_section_walk,
-    section_end,
-    section_slack,
-    start_section,
-    walk_section,
-)
+from mpfcad.optics.film.chain_lanes import take_ray
+from mpfcad.optics.film.passage import unit
+from mpfcad.optics.search.chain_walk import leave_run, meet_in_run
+from mpfcad.optics.search.layers_walk import layers_entry, next_part, part_across, part_data
 
-# Columns of a ray's place and first rows of the lanes' scratch.
-X, Y, Z, DX, DY, DZ = range(6)
-# Further rows.
-_BASE_X, _BASE_Y = 6, 7
-_FRESH, _ENTERS, _HITS, _DRAW, _SPARE, _HAS, _PATH0, _PATH1, _RAY = range(9)
-_NUMBERS, _WHOLES = 8 * LANES, 9 * LANES
-_EMPTY = -1
-#: So many rays wait for each other before they are passed on.
-_TOGETHER = 4
+#: Rounds after which a ray counts as lost; some are guided over thousands of strips.
+_MOST_ROUNDS = 20_000_000
 
 
 @kernel
-def section_passages(tile, index, index_below, offset, rays, place, up, way, rng):
+def section_passages(
+    tile, index, index_below, offset, rays, place, way, rng, lane_place, lane_rng, lane_ray
+):
     """Follow rays through a film until they leave it, as `chain_lanes.film_passages` does."""
     if len(rays) == 0:
         return
-    section, width, low, high = tile.section, tile.width, tile.low, tile.high
-    slack = section_slack(width, high)
-    key0, key1 = rng[rays[0], KEY0], rng[rays[0], KEY1]
+    layers, width, low, high = tile.layers, tile.width, tile.low, tile.high
+    lean = layers.lean[0]
+    key0, key1 = spread(rng[rays[0], KEY0]), spread(rng[rays[0], KEY1])
     stream = spread(rng[rays[0], STREAM])
-    numbers, wholes = local_floats(_NUMBERS), local_wholes(_WHOLES)
     following = 0
     for lane in range(LANES):
-        following = _take(tile, offset, rays, following, place, up, rng, lane, numbers, wholes)
-    none = load(numbers, X) < load(numbers, X)
-    walking, inside, stays = none, none, none
-    walk = no_section_walk(spread(0.0))
-    while True:
-        x, y, z = load(numbers, X), load(numbers, Y), load(numbers, Z)
-        dx, dy, dz = load(numbers, DX), load(numbers, DY), load(numbers, DZ)
-        base_x = load(numbers, _BASE_X)
-        fresh, enters = load(wholes, _FRESH) != 0, load(wholes, _ENTERS) != 0
-        hits = load(wholes, _HITS)
-        draw, spare = load(wholes, _DRAW), load(wholes, _SPARE)
-        has = load(wholes, _HAS) != 0
-        path0, path1 = load(wholes, _PATH0), load(wholes, _PATH1)
-        live = load(wholes, _RAY) >= 0
-        inside = inside & (fresh ^ True)
-        total = count_of(live)
-        if total == 0:
-            return
-        most_walking = total - min(_TOGETHER, total)
-        ended, down, lost = none, none, none
-        while bits(ended) == 0:
-            side = select(inside, 1.0, -1.0)
-            while count_of(walking) > most_walking:
-                walk, walking = walk_section(section, width, low, high, walk, side, slack, walking)
-            done = live & (walking ^ True)
-            arrived = done & (fresh ^ True)
-            astray = is_astray(tile.underside, inside, dz)
-            met, astray, distance, at_x, at_z, shift = section_end(walk, stays, astray)
-            met, astray = met & arrived, astray & arrived
-            x, z = select(arrived, at_x, x), select(arrived, at_z, z)
-            y = select(arrived, y + distance * dy, y)
-            base_x = select(arrived, base_x + shift, base_x)
-            # Past the last segment: flight to the top of the film, or to its underside.
-            free = arrived & ((met | astray) ^ True)
-            flight = (select(inside | ((dz > 0.0) ^ True), 0.0, high) - z) / dz
-            flight = select(flight > 0.0, flight, 0.0)
-            x, y = select(free, x + flight * dx, x), select(free, y + flight * dy, y)
-            grounded = free & inside
-            turn = floor(x / width) * width
-            near = x - turn
-            near = select(near > 0.0, select(near < width, near, width), 0.0)
-            x, z = select(grounded, near, x), select(grounded, 0.0, z)
-            base_x = select(grounded, base_x + turn, base_x)
-            number_of = whole(select(met, walk.place, 0.0))
-            nx, nz, _, _ = gather_row(section.facing, number_of)
-            under = (done & enters) | grounded
-            meets = under | met
-            # One interface for segments and underside.
-            nx, nz = select(under, 0.0, nx), select(under, -1.0, nz)
-            beyond = select(under, index_below, 1.0)
-            ratio = select(inside, index / beyond, beyond / index)
-            approach = select(under, -dz, dx * nx + dz * nz)
-            size = magnitude(approach)
-            reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
-            number, _, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
-            draw, spare, has = take(draw, spare, has, aft, meets, none)
-            mirrored = number < reflectance
-            passed = meets & (mirrored ^ True)
-            bend = select(
-                mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach
-            )
-            bend = select(met, bend, 0.0)
-            scale = select(passed, ratio, 1.0)
-            beneath = select(mirrored, -dz, copy_sign(cos_out, dz))
-            dx, dy = scale * dx + bend * nx, scale * dy
-            dz = select(under, beneath, scale * dz + bend * nz)
-            to_x, to_y, to_z = unit(dx, dy, dz)
-            dx, dy, dz = select(met, to_x, dx), select(met, to_y, dy), select(met, to_z, dz)
-            down = (under & (mirrored ^ inside)) | (free & ((dz > 0.0) ^ True) & (inside ^ True))
-            inside = inside ^ passed
-            hits = select(done, hits + 1, hits)
-            lost = astray | (done & (hits > MOST_HITS))
-            left = (free & (grounded ^ True)) | (under & down)
-            ended = lost | left
-            begins = done & (ended ^ True)
-            fresh, enters = fresh & (done ^ True), enters & (done ^ True)
-            started, goes = start_section(section, width, low, high, x, z, dx, dz, begins)
-            walk = choose_section(begins, started, walk)
-            stays = select(begins, goes ^ True, stays)
-            walking = walking | goes
-        store(numbers, X, x)
-        store(numbers, Y, y)
-        store(numbers, Z, z)
-        store(numbers, DX, dx)
-        store(numbers, DY, dy)
-        store(numbers, DZ, dz)
-        store(numbers, _BASE_X, base_x)
-        store(wholes, _FRESH, select(fresh, 1, 0))
-        store(wholes, _ENTERS, select(enters, 1, 0))
-        store(wholes, _HITS, hits)
-        store(wholes, _DRAW, draw)
-        store(wholes, _SPARE, spare)
-        store(wholes, _HAS, select(has, 1, 0))
-        leaving, downward, strayed = bits(ended), bits(down), bits(lost)
-        for lane in range(LANES):
-            if (leaving >> lane) & 1:
-                _give(place, rng, lane, numbers, wholes)
-                sign = 1
-                if (downward >> lane) & 1:
-                    sign = -1
-                if (strayed >> lane) & 1:
-                    sign = 0
-                way[wholes[_RAY * LANES + lane]] = sign
-                following = _take(
-                    tile, offset, rays, following, place, up, rng, lane, numbers, wholes
+        following = take_ray(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+    live = load(lane_ray, 0) >= 0
+    began, no = live, live ^ live
+    inside, amid, fresh, both = no, no, no, no
+    base, part, k, limit = spread(0.0), spread(0.0), spread(0.0), spread(float("inf"))
+    rounds = spread(0)
+    while any_of(live):
+        # x is leaned, dx is not.
+        x, y, z, dx, dy, dz, _, _ = load_lines(lane_place)
+        _, _, path0, path1, _, draw, spare, unused = load_lines(lane_rng)
+        has = unused != 0
+        home = floor((x - offset) / width) * width + offset
+        base = select(began, home, base)
+        local = x - home
+        local = select(local > 0.0, select(local < width, local, width), 0.0)
+        rises = (dz < 0.0) ^ True
+        z = select(began, select(rises, 0.0, high), z)
+        x = select(began, local + lean * z, x)
+        entering = began & rises if tile.underside else no
+        old = began ^ True
+        inside, amid, both = inside & old, amid & old, both & old
+        fresh = (fresh & old) | (began ^ entering)
+        limit = select(old, limit, float("inf"))
+        rounds = select(began, 0, rounds)
+        ended = no
+        while not any_of(ended):
+            upward = dz > 0.0
+            along = dx + lean * dz
+            if any_of(fresh):
+                first, shift = layers_entry(
+                    layers, width, select(upward, low, high), upward, x, z, along, dz
                 )
-
-
-@kernel
-def _take(tile, offset, rays, following, place, up, rng, lane, numbers, wholes):
-    """Put the queue's next ray into a lane, or empty it; return the number of the one after."""
-    if following == len(rays):
-        wholes[_RAY * LANES + lane] = _EMPTY
-        return following
-    ray = rays[following]
-    x, y = place[ray, X], place[ray, Y]
-    base_x = math.floor((x - offset) / tile.width) * tile.width + offset
-    base_y = math.floor(y / tile.length) * tile.length
-    upward = up[ray] != 0
-    numbers[X * LANES + lane] = min(max(x - base_x, 0.0), tile.width)
-    numbers[Y * LANES + lane] = min(max(y - base_y, 0.0), tile.length)
-    numbers[Z * LANES + lane] = 0.0 if upward else tile.high
-    for i in range(DX, DZ + 1):
-        numbers[i * LANES + lane] = place[ray, i]
-    numbers[_BASE_X * LANES + lane] = base_x
-    numbers[_BASE_Y * LANES + lane] = base_y
-    wholes[_FRESH * LANES + lane] = 1
-    wholes[_ENTERS * LANES + lane] = 1 if upward and tile.underside else 0
-    wholes[_HITS * LANES + lane] = 0
-    wholes[_DRAW * LANES + lane] = rng[ray, BLOCK]
-    wholes[_SPARE * LANES + lane] = rng[ray, SPARE]
-    wholes[_HAS * LANES + lane] = rng[ray, HAS_SPARE]
-    wholes[_PATH0 * LANES + lane] = rng[ray, PATH0]
-    wholes[_PATH1 * LANES + lane] = rng[ray, PATH1]
-    wholes[_RAY * LANES + lane] = ray
-    return following + 1
-
-
-@kernel
-def _give(place, rng, lane, numbers, wholes):
-    """Write a lane's ray back to where it came from."""
-    ray = wholes[_RAY * LANES + lane]
-    place[ray, X] = numbers[X * LANES + lane] + numbers[_BASE_X * LANES + lane]
-    place[ray, Y] = numbers[Y * LANES + lane] + numbers[_BASE_Y * LANES + lane]
-    for i in range(DX, DZ + 1):
-        place[ray, i] = numbers[i * LANES + lane]
-    rng[ray, BLOCK] = uint64(wholes[_DRAW * LANES + lane])
-    rng[ray, SPARE] = uint64(wholes[_SPARE * LANES + lane])
-    rng[ray, HAS_SPARE] = uint64(wholes[_HAS * LANES + lane])
+                shift = select(fresh, shift, 0.0)
+                x, base = x - shift, base + shift
+                part = select(fresh, first, part)
+            looking = live & (entering ^ True)
+            ends, lower, upper, turn, hill, below, above = part_data(layers, part)
+            under = inside ^ hill
+            other, apart, body = part_across(under, lower, upper, turn, below, above, z, dz)
+            both = both & (apart ^ True)
+            met, at, distance, hit, hit_z, slope, nz, against = meet_in_run(
+                ends, layers.segment, x, turn * z, along, turn * dz, k, amid, under, looking, True
+            )
+            first_of_two = met & both & body
+            met = met & (first_of_two ^ True) & (distance <= limit)
+            k = select(met, at, k)
+            x, z = select(met, hit, x), select(met, turn * hit_z, z)
+            y = y + select(met, distance, 0.0) * dy
+            number, second, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
+            if any_of(met):
+                approach = against * nz
+                size = magnitude(approach)
+                ratio = select(inside, index, 1.0 / index)
+                reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
+                mirrored = number < reflectance
+                bend = select(
+                    mirrored, -2.0 * approach, copy_sign(cos_out, approach) - ratio * approach
+                )
+                bend = bend * nz
+                passed = met & (mirrored ^ True)
+                scale = select(mirrored, 1.0, ratio)
+                to_x, to_y, to_z = unit(
+                    scale * dx - bend * slope, scale * dy, scale * dz + bend * (turn - lean * slope)
+                )
+                dx, dy, dz = select(met, to_x, dx), select(met, to_y, dy), select(met, to_z, dz)
+                along = dx + lean * dz
+                inside = inside ^ passed
+            # What is ahead: the same part, the one across, the next strip, or free flight.
+            under = inside ^ hill
+            other, apart, _ = part_across(under, lower, upper, turn, below, above, z, dz)
+            level = select(under, lower, upper)
+            gone, amid = leave_run(ends, level, x, turn * z, along, turn * dz, k, met, under)
+            gone = gone & looking & (other < 0.0)
+            amid = amid & looking
+            on = looking & ((gone | amid) ^ True)
+            waits = limit < float("inf")
+            across = on & (select(met, apart ^ True, both) | waits)
+            limit = select(first_of_two, distance, float("inf"))
+            aside = on & (across ^ True)
+            upward = dz > 0.0
+            ahead, shift, free = next_part(
+                layers, ends, select(upward, high, low), part, under, x, z, along, dz
+            )
+            gone = gone | (aside & free)
+            part = select(aside, ahead, select(across, other, part))
+            shift = select(aside, shift, 0.0)
+            x, base = x - shift, base + shift
+            both = aside | (amid & met)
+            flight = select(gone, (select(inside | (dz < 0.0), 0.0, high) - z) / dz, 0.0)
+            flight = select(flight > 0.0, flight, 0.0)
+            x, y = x + flight * along, y + flight * dy
+            # The underside, from within or (entering) from below.
+            grounded = entering | (gone & inside)
+            z = select(grounded, 0.0, z)
+            out = gone & (grounded ^ True)
+            down = out & (dz < 0.0)
+            if any_of(grounded):
+                number = select(met, second, number)
+                ratio = select(inside, index / index_below, index_below / index)
+                size = magnitude(dz)
+                reflectance, cos_out = fresnel(select(size < 1.0, size, 1.0), ratio)
+                mirrored = number < reflectance
+                passed = grounded & (mirrored ^ True)
+                scale = select(passed, ratio, 1.0)
+                dx, dy = scale * dx, scale * dy
+                dz = select(grounded, select(mirrored, -dz, copy_sign(cos_out, dz)), dz)
+                down = down | (grounded & (mirrored ^ inside))
+                inside = inside ^ passed
+            fresh, entering = grounded & (down ^ True), no
+            # Each meeting has taken a number.
+            draw, spare, has = take(draw, spare, has, aft, met ^ grounded, met & grounded)
+            rounds = rounds + 1
+            lost = live & (rounds > _MOST_ROUNDS)
+            ended = down | lost | out
+        upright = select(down, 0.0, lean * high)
+        store_lines(lane_place, select(ended, x + base - upright, x), y, z, dx, dy, dz, x, x)
+        unused = select(has, 1, 0)
+        store_lines(lane_rng, key0, key1, path0, path1, stream, draw, spare, unused)
+        left, downward, astray = bits(ended), bits(down), bits(lost)
+        while left:
+            lane = lowest_bit(left)
+            left &= left - 1
+            ray = uint64(lane_ray[0, uint64(lane)])
+            store(place, ray, load(lane_place, lane))
+            store(rng, ray, load(lane_rng, lane))
+            sign = -1 if (downward >> lane) & 1 else 1
+            way[ray] = 0 if (astray >> lane) & 1 else sign
+            following = take_ray(rays, following, place, rng, lane, lane_place, lane_rng, lane_ray)
+        live = load(lane_ray, 0) >= 0
+        began = ended & live

@@ -76,18 +76,18 @@ def chain_of(x: NDArray[np.float64], z: NDArray[np.float64]) -> Chain:
     ends = [x[:-1], z[:-1], x[1:], z[1:]]
     sides = [np.r_[0.0, slope[:-1]], np.r_[slope[1:], 0.0]]
     segment = np.stack([*ends, slope, dx / np.hypot(dx, dz), *sides], axis=1)
-    run, start = _runs(x, z, edge)
+    run, start = parabolas(x, z, edge[:-1], edge[1:])
     span = np.stack([edge[:-1], edge[1:] - 1, start, 0 * start], axis=1)
-    return Chain(segment, run, span, _cells(x[edge]), run_of.astype(np.int64))
+    return Chain(segment, run, span, cells(x[edge]), run_of.astype(np.int64))
 
 
-def _runs(x: NDArray, z: NDArray, edge: NDArray) -> tuple[NDArray, NDArray]:
+def parabolas(x: NDArray, z: NDArray, begin: NDArray, end: NDArray) -> tuple[NDArray, NDArray]:
     """Return `Chain.run` (r, 8), and the number of the segment at each run's left end (r,).
 
-    The parabola passes through the first, a middle and the last of a run's inner vertices, as the
-    outermost segments are often longer, straight walls; its segments count evenly between them.
+    Runs go from vertex `begin` to vertex `end`. The parabola passes through the first, a middle and
+    the last of a run's inner vertices, as the outermost segments are often longer, straight walls;
+    its segments count evenly between them.
     """
-    begin, end = edge[:-1], edge[1:]
     first, last = np.minimum(begin + 1, end), np.maximum(end - 1, begin)
     few = end - begin < 4
     first, last = np.where(few, begin, first), np.where(few, end, last)
@@ -103,7 +103,7 @@ def _runs(x: NDArray, z: NDArray, edge: NDArray) -> tuple[NDArray, NDArray]:
     return np.stack(row, axis=1), first - density * u
 
 
-def _cells(edge: NDArray[np.float64]) -> NDArray[np.float64]:
+def cells(edge: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return `Chain.cell` for runs between given x; exact also where a place is rounded."""
     count = _CELLS_A_RUN * (len(edge) - 1)
     side = np.arange(count + 1) * (edge[-1] / count)

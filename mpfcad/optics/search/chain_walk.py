@@ -59,11 +59,12 @@ def run_data(chain, run):
 
 
 @kernel
-def meet_in_run(ends, segment, x, z, dx, dz, k, amid, inside, active):
+def meet_in_run(ends, segment, x, z, dx, dz, k, amid, inside, active, within):
     """Return where a ray meets a run: (met, segment, distance, x, z, slope, nz, against).
 
     `ends` is the run's `run_data`. The ray [mm] comes from before the run, or (`amid`, outside
-    only) from its segment k. `against` is the direction's product with (-slope, 1).
+    only) from its segment k, or, if `within` allows for that, from over or under the run.
+    `against` is the direction's product with (-slope, 1).
     """
     right = dx > 0.0
     speed = magnitude(dx)
@@ -94,11 +95,17 @@ def meet_in_run(ends, segment, x, z, dx, dz, k, amid, inside, active):
         near_past = (near_gap <= 0.0) | (inside & (slope * turning >= dz))
         far_past = (far_gap <= 0.0) | (inside & (select(right, after, before) * turning >= dz))
         near_past = near_past & ((s > begin) | (s < begin))
+        if within:
+            # What lies behind the ray is not in its way.
+            near_past = near_past & ((near_x - x) * ahead > 0.0)
+            far_past = far_past & ((far_x - x) * ahead >= 0.0)
         found = looking & far_past & (near_past ^ True)
         met = met | (found & (far_gap <= 0.0))
         looking = looking & (found ^ True)
         against = dz - slope * dx
         distance = ((z0 - z) - slope * (x0 - x)) / against
+        if not any_of(looking):
+            break
         up = near_past ^ right
         low = select(looking & up, s + 1.0, low)
         high = select(looking & (up ^ True), s - 1.0, high)
@@ -184,7 +191,7 @@ def chain_hit(chain, width, low, high, x, z, dx, dz, k, inside):
     for _ in range(64 * len(chain.run) + 64):
         ends = run_data(chain, run)
         met, at, distance, x, z, slope, nz, _ = meet_in_run(
-            ends, chain.segment, x, z, dx, dz, at, amid, inside, True
+            ends, chain.segment, x, z, dx, dz, at, amid, inside, True, False
         )
         if met:
             return int(at), distance, x, z, shift, -slope * nz, nz

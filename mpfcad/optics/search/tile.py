@@ -17,8 +17,14 @@ from mpfcad.optics.search.chain import Chain, build_chain, chain_of
 from mpfcad.optics.search.chain_walk import chain_hit
 from mpfcad.optics.search.grid.build import build_grid
 from mpfcad.optics.search.grid.cells import Grid, grid_hit
-from mpfcad.optics.search.grid.section import Section, build_section, section_of
+from mpfcad.optics.search.grid.section import (
+    Section,
+    drawn_segments,
+    section_of,
+)
 from mpfcad.optics.search.grid.section_walk import section_hit
+from mpfcad.optics.search.layers import NO_LAYERS, Layers
+from mpfcad.optics.search.layers_build import layers_of
 from mpfcad.optics.solid.mesh import FilmMesh
 
 CHAIN, BVH, SECTION, GRID = range(4)
@@ -42,11 +48,21 @@ class Tile(NamedTuple):
     bvh: Bvh
     section: Section
     grid: Grid
+    layers: Layers
+
+
+def _build_section(mesh: FilmMesh) -> tuple[Section, Layers] | None:
+    """Return the section and its layers, or None where the mesh is not one drawn along y."""
+    segment = drawn_segments(mesh)
+    if segment is None:
+        return None
+    width = mesh.size[0]
+    return section_of(segment, width), layers_of(segment, width, mesh.underside)
 
 
 #: How each is built, in the order in which they are tried.
 _BUILD = (
-    ("chain", build_chain), ("section", build_section), ("grid", build_grid), ("bvh", build_bvh),
+    ("chain", build_chain), ("section", _build_section), ("grid", build_grid), ("bvh", build_bvh),
 )  # fmt: skip
 _UNFIT = {
     "chain": "not extruded along y",
@@ -65,7 +81,9 @@ _NO_BVH = Bvh(
 _NO_SECTION = section_of(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
 _NO_GRID = Grid(np.ones(2, np.int64), np.zeros((1, 4)), np.zeros((3, 4)), np.zeros(1, np.int64))
 #: What a scene without film holds.
-NO_TILE = Tile(1.0, 1.0, 0.0, 1.0, True, CHAIN, _NO_CHAIN, _NO_BVH, _NO_SECTION, _NO_GRID)
+NO_TILE = Tile(
+    1.0, 1.0, 0.0, 1.0, True, CHAIN, _NO_CHAIN, _NO_BVH, _NO_SECTION, _NO_GRID, NO_LAYERS
+)
 
 
 def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
@@ -86,10 +104,11 @@ def build_tile(mesh: FilmMesh, accelerator: str | None = None) -> Tile:
     else:
         raise TraceError(f"accelerator {accelerator}: the mesh is {_UNFIT[accelerator or name]}")
     width, length, _ = mesh.size
+    section, layers = made["section"] or (_NO_SECTION, NO_LAYERS)
     return Tile(
         width, length, float(z.min()), float(z.max()), mesh.underside, ACCELERATORS.index(name),
-        made["chain"] or _NO_CHAIN, made["bvh"] or _NO_BVH, made["section"] or _NO_SECTION,
-        made["grid"] or _NO_GRID,
+        made["chain"] or _NO_CHAIN, made["bvh"] or _NO_BVH, section,
+        made["grid"] or _NO_GRID, layers,
     )  # fmt: skip
 
 

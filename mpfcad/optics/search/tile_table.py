@@ -16,6 +16,7 @@ from mpfcad.optics.search.bvh.tree import Bvh
 from mpfcad.optics.search.chain import Chain
 from mpfcad.optics.search.grid.cells import Grid
 from mpfcad.optics.search.grid.section import Section
+from mpfcad.optics.search.layers import Layers
 from mpfcad.optics.search.tile import NO_TILE, Tile
 
 
@@ -28,9 +29,9 @@ class TileTable(NamedTuple):
         (t, 5) float64 [mm], width, length, low and high of each, and whether it has an underside
     accelerator
         (t,) int64, of each
-    chain, bvh, section, grid
+    chain, bvh, section, grid, layers
         their accelerators' arrays, joined
-    chain_at, bvh_at, section_at, grid_at
+    chain_at, bvh_at, section_at, grid_at, layers_at
         (t+1, fields) int64, where the part of each tile begins in each of those arrays
     """
 
@@ -40,10 +41,12 @@ class TileTable(NamedTuple):
     bvh: Bvh
     section: Section
     grid: Grid
+    layers: Layers
     chain_at: NDArray[np.int64]
     bvh_at: NDArray[np.int64]
     section_at: NDArray[np.int64]
     grid_at: NDArray[np.int64]
+    layers_at: NDArray[np.int64]
 
 
 def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
@@ -55,8 +58,9 @@ def build_tile_table(tiles: Sequence[Tile]) -> TileTable:
     bvh, bvh_at = _joined([t.bvh for t in tiles])
     section, section_at = _joined([t.section for t in tiles])
     grid, grid_at = _joined([t.grid for t in tiles])
-    at = chain_at, bvh_at, section_at, grid_at
-    return TileTable(size, accelerator, chain, bvh, section, grid, *at)
+    layers, layers_at = _joined([t.layers for t in tiles])
+    at = chain_at, bvh_at, section_at, grid_at, layers_at
+    return TileTable(size, accelerator, chain, bvh, section, grid, layers, *at)
 
 
 def _joined(parts: Sequence[Any]) -> tuple[Any, NDArray[np.int64]]:
@@ -103,8 +107,19 @@ def tile_of(table, t):
         table.grid.corner[c[2] : d[2]],
         table.grid.facet[c[3] : d[3]],
     )
+    c, d = table.layers_at[t], table.layers_at[t + 1]
+    layers = Layers(
+        table.layers.segment[c[0] : d[0]],
+        table.layers.part[c[1] : d[1]],
+        table.layers.range[c[2] : d[2]],
+        table.layers.aside[c[3] : d[3]],
+        table.layers.cell[c[4] : d[4]],
+        table.layers.strip[c[5] : d[5]],
+        table.layers.lean[c[6] : d[6]],
+    )
     size, accelerator = table.size[t], table.accelerator[t]
     underside = size[4] != 0.0
     return Tile(
-        size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section, grid
-    )
+        size[0], size[1], size[2], size[3], underside, accelerator, chain, bvh, section, grid,
+        layers,
+    )  # fmt: skip

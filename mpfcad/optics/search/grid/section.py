@@ -44,13 +44,13 @@ class Section(NamedTuple):
     shape: NDArray[np.int64]
 
 
-def build_section(mesh: FilmMesh) -> Section | None:
-    """Return the section of a film mesh, or None where it is not one drawn along y."""
+def drawn_segments(mesh: FilmMesh) -> NDArray[np.float64] | None:
+    """Return the segments (s, 4) of a mesh drawn along y, as `section_of` takes them, or None."""
     used, number = np.unique(mesh.top, return_inverse=True)
     drawn = extruded_section(mesh.vertex[used], number.reshape(-1, 3))
     if drawn is None or len(drawn.cap):
         return None
-    return section_of(drawn.point[drawn.edge].reshape(-1, 4), mesh.size[0])
+    return drawn.point[drawn.edge].reshape(-1, 4)
 
 
 def section_of(segment: NDArray[np.float64], width: float) -> Section:
@@ -87,7 +87,7 @@ def _members(segment, width, low, high, shape):
     left, right = np.minimum(x0, x1), np.maximum(x0, x1)
     begin = np.floor(left / step_x - _RIM).astype(np.int64)
     end = np.floor(right / step_x + _RIM).astype(np.int64)
-    number, column = _spread(begin, end)
+    number, column = spread(begin, end)
     # Heights of the part over the column and its rim.
     near, far = (column - _RIM) * step_x, (column + 1 + _RIM) * step_x
     rise = np.where(x1 == x0, 0.0, (z1 - z0) / np.where(x1 == x0, 1.0, x1 - x0))
@@ -98,13 +98,13 @@ def _members(segment, width, low, high, shape):
     top = np.where(upright, np.maximum(z0, z1)[number], np.maximum(*z))
     begin = np.floor((bottom - low) / step_z - _RIM).astype(np.int64).clip(0, rows - 1)
     end = np.floor((top - low) / step_z + _RIM).astype(np.int64).clip(0, rows - 1)
-    member, row = _spread(begin, end)
+    member, row = spread(begin, end)
     number, column = number[member], column[member]
     tile = column // columns
     return row * columns + column - tile * columns, number, -width * tile
 
 
-def _spread(begin: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
+def spread(begin: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
     """Return (i, n) for each i and each n from begin[i] to end[i]."""
     count = end - begin + 1
     i = np.repeat(np.arange(len(count)), count)

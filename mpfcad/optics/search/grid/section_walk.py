@@ -97,28 +97,6 @@ def start_section(section, width, low, high, x, z, dx, dz, active):
 
 
 @kernel
-def no_section_walk(zero):
-    """Return the walks of lanes that are empty."""
-    z = zero
-    return SectionWalk(z, z, z, z, z, z, z, z, z, z, z, z, z - 1.0, z, z, z, z, z)
-
-
-@kernel
-def choose_section(mask, a, b):
-    """Return the walks of a where the mask holds, else of b."""
-    return SectionWalk(
-        select(mask, a.x, b.x), select(mask, a.z, b.z), select(mask, a.shift, b.shift),
-        select(mask, a.ux, b.ux), select(mask, a.uz, b.uz), select(mask, a.speed, b.speed),
-        select(mask, a.flown, b.flown), select(mask, a.column, b.column),
-        select(mask, a.row, b.row), select(mask, a.entry, b.entry), select(mask, a.end, b.end),
-        select(mask, a.best, b.best), select(mask, a.place, b.place),
-        select(mask, a.hit_x, b.hit_x), select(mask, a.hit_z, b.hit_z),
-        select(mask, a.hit_shift, b.hit_shift), select(mask, a.turns, b.turns),
-        select(mask, a.steps, b.steps),
-    )  # fmt: skip
-
-
-@kernel
 def walk_section(section, width, low, high, walk, side, slack, walking):
     """Look at a segment, and go on to the next cell after the last: (walk, whether it goes on).
 
