@@ -149,6 +149,7 @@ sigma = 0.01
         read_data(read_fit(path), path, 32.69)
 
 
+@pytest.mark.slow
 def test_a_backlight_is_fitted_and_the_same_again(tmp_path, monkeypatch):
     import mpfcad.pipeline.fit.tracer as tracer
 
