@@ -1,6 +1,8 @@
 """Owen-scrambled nets: what makes them nets, that each point is uniform, and what they gain."""
 
 import itertools
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -91,3 +93,35 @@ def test_a_smooth_integral_has_far_less_spread_than_with_independent_points():
     # Independent points would leave one/512; a net of three smooth dimensions under a hundredth.
     assert means.var() < one / NET / 100
     within(means.mean(), truth, means.std() / np.sqrt(300), 4)
+
+
+#: Eight paths, of which one is at its net's third number and the others are long past theirs.
+_MIXED = """
+import numpy as np
+from numba import njit
+from mpfcad.optics.base import lanes_array
+from mpfcad.optics.base.sampling_lanes import next_two
+
+@njit(error_model="numpy", _nrt=False)
+def draw(state, out):
+    draws, spare = lanes_array.load(state, 0), lanes_array.load(state, 1)
+    one, two, _ = next_two(spare, spare, spare, spare, spare, draws, spare, spare < spare)
+    lanes_array.store(out, 0, one)
+    lanes_array.store(out, 1, two)
+
+def drawn(draws):
+    out = np.zeros((2, 8))
+    draw(np.array([draws, range(500, 508)]), out)
+    return out
+
+far = drawn([-10, *range(2 * 10**6, 9 * 10**6, 10**6)])
+alone = drawn([-10] * 8)
+assert (far[:, 0] == alone[:, 0]).all(), far
+assert (far >= 0).all() and (far < 1).all()
+"""
+
+
+def test_a_path_long_past_its_net_looks_nothing_up_beyond_the_table():
+    # In a process of its own: a read of memory that is not there would end this one.
+    done = subprocess.run([sys.executable, "-c", _MIXED], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

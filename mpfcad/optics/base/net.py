@@ -69,8 +69,8 @@ def _points() -> np.ndarray:
 
 _A_WORD = 6
 _POINTS = _points()
-_1, _6, _8, _10, _29, _32, _43, _1023 = (
-    np.uint64(n) for n in (1, 6, 8, 10, 29, 32, 43, 2**_DIGITS - 1)
+_1, _6, _8, _10, _29, _32, _43, _1023, _LAST = (
+    np.uint64(n) for n in (1, 6, 8, 10, 29, 32, 43, 2**_DIGITS - 1, len(_POINTS) - 1)
 )
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX0, _MIX1 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
@@ -93,7 +93,10 @@ def scrambled(digits, seed):
 def net_bits(key, index, dimension):
     """Return the 64 binary digits of one coordinate of a net's point, the first one highest."""
     word = (dimension * _43) >> _8  # A sixth of it.
-    digits = gather(_POINTS, (index << _1) + word) >> ((dimension - word * _6) * _10)
+    # Of eight paths some may be past the net. What they get is not used, but it is looked up: it
+    # has to lie in the table.
+    place = ((index << _1) + word) & _LAST
+    digits = gather(_POINTS, place) >> ((dimension - word * _6) * _10)
     digits = digits & _1023
     seed = key + dimension * _GOLDEN
     seed = (seed ^ (seed >> _32)) * _MIX0
