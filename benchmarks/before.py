@@ -21,7 +21,8 @@ START = "from mpfcad.cli import main; main()"
 ALONE = 'extends = "thesis-32in-mpf"\ntitle = "alone"\nlayers = ["clear_plate", "film"]\n'
 UNIFORM = str(ROOT / "masks" / "uniform-c60.toml")
 
-#: What is run by name; `{seed}` is the pair's number, `film.stl` and `panel.toml` are prepared.
+#: What is run by name; `{seed}` is the pair's number, `{tree}` the version's own sources;
+#: `film.stl` and `panel.toml` are prepared.
 COMMANDS = {
     "import mpfcad": None,
     "mpfcad --help": ["--help"],
@@ -36,7 +37,7 @@ COMMANDS = {
     "panel's mask, OASIS, written and checked": ["mask", "panel.toml", "--format", "oas"],
     "panel's STL, written and checked": ["cad", "panel.toml", "--format", "stl"],
     "README's first command, quick": [
-        "run", str(ROOT / "masks" / "patterned-16mm.toml"), "--effort", "quick", "--threads", "1",
+        "run", "{tree}/masks/patterned-16mm.toml", "--effort", "quick", "--threads", "1",
     ],
 }  # fmt: skip
 
@@ -82,7 +83,7 @@ def compare(name, arguments, trees, folder, repeat):
         for side in (0, 1) if seed % 2 else (1, 0):
             own = None
             if arguments is not None:
-                own = [part.format(seed=seed + 1) for part in arguments]
+                own = [part.format(seed=seed + 1, tree=trees[side]) for part in arguments]
                 if own[0] in ("mask", "cad", "run"):
                     own += ["--out", str(folder / f"out-{side}-{seed}")]
             time = spend(trees[side], own, folder, folder / f"cache-{side}")
