@@ -176,6 +176,15 @@ def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path)
             "sigma_over_mean": found(0.019),
             "paths": 5_000_000,
         },
+        "design": {"goal": {"contrast_target": 0.074}},
+        "bears": [
+            {
+                "departure": {"crossed_shift_x_mm": 0.16},
+                "lamp_mura_contrast": found(0.06),
+                "mean_luminance_cd_m2": found(58000.0),
+                "outcome": "PASS",
+            }
+        ],
         "tried": [
             {
                 "series_per_mm": [[68.0, 1.5], [-2.5, 0.25]],
@@ -190,5 +199,9 @@ def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path)
     assert (tmp_path / "two.html").read_text("utf-8") == page
     words = ("two &lt;films&gt;", "0.0560 [0.0448, 0.0672]", "1.736", "0.434", "68", "2.5", "0.30")
     assert all(word in page for word in (*words, *names, kind.extent))
+    borne = ("film across: shift x 0.16 mm", "0.0600 [0.0480, 0.0720]", "target 0.074", "PASS")
+    assert all(word in page for word in borne)
+    write_led_page(tmp_path / "none.html", {**record, "bears": []}, films)
+    assert "What it bears" not in (tmp_path / "none.html").read_text("utf-8")
     for name in ("light", "film-1", "view-1", "film-2", "view-2"):
         assert page.count(f'id="plot-{name}"') == 1

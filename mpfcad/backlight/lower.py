@@ -1,5 +1,6 @@
 """A stack lowered to the elements that are traced."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -132,6 +133,11 @@ def _own_layer(stack: Stack, name: str, mesh: FilmMesh | Library | None, offset:
         mesh, value("index"), 1.0, offset, None, words, rotation=rotation,
         flipped=layer.flipped, resin=resin, absorption=absorption,
     )  # fmt: skip
+
+
+def printed_films(elements: Iterable[Element]) -> set[str]:
+    """Return the names of the films that are libraries of pieces, as a print under LEDs is."""
+    return {one.name for one in elements if isinstance(one, LibraryFilm)}
 
 
 def _library(stack: Stack, library: Library, below: float, offset: float) -> LibraryFilm:

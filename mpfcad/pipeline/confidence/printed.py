@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from mpfcad.confidence import Response, draw_steps
-from mpfcad.film import PieceLibrary
 from mpfcad.measure import CellResult, LuminanceResult
 from mpfcad.pipeline.confidence.find import (
     Asked,
@@ -23,6 +22,7 @@ from mpfcad.pipeline.confidence.find import (
 from mpfcad.pipeline.confidence.printed_cell import CellRuns
 from mpfcad.pipeline.confidence.reprint import Reprints
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
+from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
 
@@ -60,8 +60,9 @@ def find_printed(
 def _find_cell(
     plan: Plan, luminance: CellResult, threads: int, progress: Progress
 ) -> dict[str, Any] | None:
-    films = [film.drawn for film in plan.films if isinstance(film.drawn, PieceLibrary)]
-    if len(films) < len(plan.films):
+    found = [kind_of(film.drawn, film.job.cad).pieces for film in plan.films]
+    films = [film for film in found if film is not None]
+    if len(films) < len(found):
         return None
     runs = CellRuns(plan, films, luminance, threads, progress)
     if not runs.factors:

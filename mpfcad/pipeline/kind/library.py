@@ -81,6 +81,10 @@ class PieceGrooves(Kind):
         return ResinCheck(by_mask, found.in_mesh, found.full)
 
     @property
+    def pieces(self) -> PieceLibrary:
+        return self.film
+
+    @property
     def extent(self) -> str:
         across, along = self.film.chosen.shape
         pieces = f"{len(np.unique(self.film.chosen))} pieces at {across} × {along} places"

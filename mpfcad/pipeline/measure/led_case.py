@@ -47,8 +47,8 @@ def plain_cases(lit: Lit) -> list[Case]:
 
 def _printed(lit: Lit) -> list[str]:
     """Return the layers besides the job's film that are printed: libraries of pieces."""
-    from mpfcad.optics.element import LibraryFilm
+    from mpfcad.backlight.lower import printed_films
 
-    libraries = {one.name for one in lit.elements if isinstance(one, LibraryFilm)}
+    libraries = printed_films(lit.elements)
     own = [name for name in lit.stack.own if not lit.stack.is_slot(name)]
     return [name for name in own if name.replace("_", " ") in libraries]
