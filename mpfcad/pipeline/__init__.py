@@ -5,6 +5,7 @@ figure of one again from its own files, through the same code; `make_mask`, `mak
 `trace_mesh` are the single steps; `measure_film` finds every photometric figure of a film.
 """
 
+from mpfcad.pipeline.confidence.covariance import with_covariance
 from mpfcad.pipeline.design.run import default_design_out, run_design
 from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.fit.fit import FitSetting, default_fit_out, fit_backlight
@@ -21,6 +22,7 @@ from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan, read_proposa
 from mpfcad.pipeline.run.mould import MouldSetting, make_mould
 from mpfcad.pipeline.run.reissue import changed_job, restore_mask_plan
 from mpfcad.pipeline.run.run import (
+    checked_masks,
     default_out,
     make_cad,
     make_mask,
@@ -48,6 +50,7 @@ __all__ = [
     "TraceSetting",
     "available_memory",
     "changed_job",
+    "checked_masks",
     "compare_cases",
     "default_design_out",
     "default_fit_out",
@@ -75,4 +78,5 @@ __all__ = [
     "run_sweep",
     "trace_mesh",
     "verify_export",
+    "with_covariance",
 ]

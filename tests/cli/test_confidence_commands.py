@@ -8,6 +8,7 @@ from harness import film_file, groove
 from jsonschema import validate
 
 from mpfcad.cli import run_app
+from mpfcad.confidence import probability
 from mpfcad.measure import POINTS, rounds
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.confidence.runs import Runs
@@ -45,6 +46,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(rounds, "_LEAST_PATHS", 60_000)
+    monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
     monkeypatch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 6))
 

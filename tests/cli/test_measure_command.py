@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from harness import film_file, groove
-from jsonschema import validate
+from jsonschema import ValidationError, validate
 
 from mpfcad.cli import run_app
 from mpfcad.measure import rounds
@@ -103,6 +103,29 @@ def test_the_page_needs_no_network_and_shows_every_part(measured):
 
 def test_measure_writes_what_its_published_schema_says(measured):
     validate(json.loads((measured / "measure.json").read_text()), published_schema("measure"))
+
+
+@pytest.fixture(scope="module")
+def led(place):
+    assert app("measure", "mini-led-4mm", "--what", "contrast,angular", "--out", "led") == 0
+    return place / "led"
+
+
+def test_leds_are_measured_as_the_published_schemas_say(led, capsys):
+    schema, record = published_schema("measure"), json.loads((led / "measure.json").read_text())
+    validate(record, schema)
+    page = (led / "measure.html").read_text()
+    assert "Luminance over the cell of an LED" in page and "lamp pitch" not in page
+    for missing in ("cell", "points", "sigma_over_mean"):
+        part = {key: value for key, value in record["contrast"].items() if key != missing}
+        with pytest.raises(ValidationError):
+            validate({**record, "contrast": part}, schema)
+    assert app("trace", "--stack", "mini-led-4mm", "--json") == 0
+    figures, schema = json.loads(capsys.readouterr().out), published_schema("trace")
+    validate(figures, schema)
+    for missing in ("cell", "points", "energy"):
+        with pytest.raises(ValidationError):
+            validate({key: value for key, value in figures.items() if key != missing}, schema)
 
 
 def test_the_same_figures_again_are_not_traced_again(place, measured, monkeypatch):

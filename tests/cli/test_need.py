@@ -54,3 +54,16 @@ def test_a_plan_says_memory_and_time_and_makes_nothing(job, tmp_path, monkeypatc
     assert [line.split()[0] for line in lines] == ["film", "memory", "CAD", "traces"]
     assert "8 million paths (quick): 0.1 min at 2.00 million a second" in lines[3]
     assert not out.exists()
+
+
+def test_a_plan_refuses_the_format_that_a_run_refuses(job, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("mpfcad.mask.format.write.LARGEST_FILE", 1000)
+    path, out = job("pitch"), tmp_path / "out"
+    path.write_text(path.read_text() + '[mask]\nformats = ["gds"]\n')
+    said = []
+    for options in (["--plan"], []):
+        assert run_app(["run", str(path), *options, "--out", str(out)]) == 2
+        said += [x for x in capsys.readouterr().err.splitlines() if x.startswith("mpfcad: ")]
+    assert len(said) == 2 and said[0] == said[1]
+    assert "job.toml: mask.formats: gds lists apertures one by one" in said[0]
+    assert not out.exists()

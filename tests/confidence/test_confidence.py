@@ -130,7 +130,7 @@ def test_what_narrows_most_comes_first():
     sizes = [0.03, 0.3, 0.01, 1.0]
     some = [factor(n, s, value=0.35) for n, s in zip(names, sizes, strict=True)]
     steps = draw_steps(some, np.eye(4), 5)
-    found = rank_measurements(response(0.004, [0.01, 0.004, 0.001, 0.002]), some, steps, 0.018, 1)
+    found = rank_measurements(response(0.004, [0.01, 0.004, 0.001, 0.002]), some, steps, 0.018)
     assert found[0]["measurement"] == "BTDF of the top sheet"
     assert found[0]["inputs"] == ["top_sheet_sigma"]
     assert found[0]["contrast_spread"] < 0.6 * found[0]["contrast_spread_before"]

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mpfcad.confidence import probability
 from mpfcad.design import Iteration, Traced, series_rows
 from mpfcad.design.optimum import map_on_cells
 from mpfcad.job.design import Design
@@ -35,6 +36,8 @@ def work(tmp_path, lamps, monkeypatch):
     design = validate(Design, DOCUMENT, "sure.toml")
     made = DesignWork(design, tmp_path / "sure.toml", 1, SILENT)
     made.__dict__["response"] = lamps
+    monkeypatch.setattr(probability, "_RESPONSES", 20)
+    monkeypatch.setattr(likely, "_DRAWS", 150)
     asked = []
 
     def trace(rows, label, number, shift=0.0):

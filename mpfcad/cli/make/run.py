@@ -35,9 +35,9 @@ def command(
     job = read_job(job_file)
     if confidence and job.confidence is None:
         job = job.model_copy(update={"confidence": job.confidence_table})
-    if plan:
-        return _say_plan(job, job_file, effort.value if effort else job.trace.effort)
     folder = out or default_out(job)
+    if plan:
+        return _say_plan(job, job_file, folder, effort.value if effort else job.trace.effort)
     with Terminal() as terminal:
         verification = run_job(
             job,
@@ -54,13 +54,21 @@ def command(
     return exit_code(verification["verdict"])
 
 
-def _say_plan(job: "Job", job_file: Path, effort: str) -> int:
-    """Print what a run takes at most, on this machine."""
+def _say_plan(job: "Job", job_file: Path, folder: Path, effort: str) -> int:
+    """Print what a run takes at most, on this machine; what it refuses is refused here too."""
     from mpfcad.cli.terminal import Terminal
-    from mpfcad.pipeline import available_memory, read_plan, run_need
+    from mpfcad.pipeline import (
+        available_memory,
+        checked_masks,
+        read_plan,
+        run_need,
+        with_covariance,
+    )
     from mpfcad.pipeline.speed import trace_speed
 
-    need = run_need(read_plan(job, job_file), effort)
+    plan = read_plan(with_covariance(job, job_file), job_file)
+    checked_masks(plan, job_file, folder)
+    need = run_need(plan, effort)
     with Terminal() as terminal:
         terminal.stage("measuring how fast this machine traces")
         _, rate = trace_speed()

@@ -134,9 +134,7 @@ def confidence_of(
             }
             for i in order
         ],
-        "measure_next": rank_measurements(
-            response, factors, steps, asked.gates.contrast_marginal, asked.seed
-        ),
+        "measure_next": rank_measurements(response, factors, steps, asked.gates.contrast_marginal),
         "left_out": variants.left_out(),
         "paths": runs.paths,
         "draws": len(steps),

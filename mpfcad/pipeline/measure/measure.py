@@ -23,8 +23,8 @@ MEASURE_PAGE = "measure.html"
 _COMPARED = ("contrast", "flux")
 _RIM = "The panel is finite: side walls, lamps of their length, black beside its edges."
 _NO_RIM = (
-    "Traced without the panel's rim: lamps and film go on sideways without end, so corners are as "
-    "bright as the middle, and only the place over the lamps differs."
+    "Traced without the panel's rim: {0} and film go on sideways without end, so corners are as "
+    "bright as the middle, and only the place over the {0} differs."
 )
 
 
@@ -138,5 +138,6 @@ def screen(lit: Lit) -> dict[str, Any]:
     return {
         "lamps_level": level,
         "axes": dict(zip(("across", "along"), axes, strict=True)),
-        "rim": _RIM if lit.is_finite else _NO_RIM,
+        "repeat": "the cell of an LED" if lit.is_cell else "a lamp pitch",
+        "rim": _RIM if lit.is_finite else _NO_RIM.format("LEDs" if lit.is_cell else "lamps"),
     }

@@ -81,12 +81,8 @@ def run_job(
     for table in plan.stack.tables.values():
         progress.note(table.table.summary())
     job = plan.job
-    kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, str(job_file))
     refuse_memory(run_need(plan, effort), str(job_file))
-    masks = [plan_mask(film) for film in plan.films]
-    for mask in masks:
-        if mask is not None:
-            refuse_mask_formats(job, mask, job.mask.formats, str(job_file), out)
+    masks = checked_masks(plan, job_file, out)
     # The traces are kept until the export is on the disk: a full disk at the report loses none.
     with (
         Checkpoints(Store.open(progress.note)) as checkpoints,
@@ -102,6 +98,24 @@ def run_job(
         return _examine_and_report(
             folder, plan, masks, job_file, effort, threads, checkpoints, progress, browser
         )
+
+
+def checked_masks(plan: Plan, job_file: Path, out: Path) -> list[Mask | None]:
+    """Return the mask of each film of a plan, None where none is printed, before work begins.
+
+    Raises
+    ------
+    InputError
+        that begins with the job's file, when the piece cannot be traced, a format cannot hold a
+        mask, or the disk of the folder `out` not its picture.
+    """
+    job, where = plan.job, str(job_file)
+    kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, where)
+    masks = [plan_mask(film) for film in plan.films]
+    for mask in masks:
+        if mask is not None:
+            refuse_mask_formats(job, mask, job.mask.formats, where, out)
+    return masks
 
 
 def _browser() -> str:

@@ -25,7 +25,7 @@ Record = dict[str, Any]
 Row = tuple[str, Record | None, int, str]
 _BEYOND = "above 160"
 TITLES = {
-    "contrast": "Luminance over the lamp pitch",
+    "contrast": "Luminance",
     "angular": "Viewing angle",
     "conoscope": "Conoscopic map",
     "flux": "Flux and efficiency",
@@ -44,6 +44,7 @@ def write_measure_page(path: Path, record: Record) -> None:
         f"{traced['film']} in {traced['stack']}: {traced['title']}. Seed {traced['seed']}, "
         f"effort {traced['effort']}."
     )
+    repeat = record["screen"]["repeat"]
     page = render(
         "measure.html.j2",
         name=record["name"],
@@ -51,7 +52,8 @@ def write_measure_page(path: Path, record: Record) -> None:
         head=head,
         record=record,
         parts=parts,
-        titles=TITLES,
+        titles=TITLES | {"contrast": f"Luminance over {repeat}"},
+        repeat=repeat,
         **{name: _VALUES[name](record, path.parent) for name in parts},
     )
     path.write_bytes(page.encode())
