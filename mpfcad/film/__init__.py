@@ -41,13 +41,13 @@ from mpfcad.film.process.posterior import (
 from mpfcad.film.process.tone import ToneBelief, ToneCurve
 from mpfcad.film.process.write import Coupon, write_process, write_tone_process
 from mpfcad.film.section import Section
-from mpfcad.film.stylus.fit import Interval, StylusFit, fit_stylus_trace
-from mpfcad.film.stylus.reading import (
+from mpfcad.film.stylus.file.reading import (
     ReadingOption,
     parse_columns,
     parse_units,
     read_stylus_trace,
 )
+from mpfcad.film.stylus.fit import Interval, StylusFit, fit_stylus_trace
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 

@@ -37,7 +37,7 @@ def work(tmp_path, lamps, monkeypatch):
     made = DesignWork(design, tmp_path / "sure.toml", 1, SILENT)
     made.__dict__["response"] = lamps
     monkeypatch.setattr(probability, "_RESPONSES", 20)
-    monkeypatch.setattr(likely, "_DRAWS", 150)
+    monkeypatch.setattr(likely, "_DRAWS", 100)
     asked = []
 
     def trace(rows, label, number, shift=0.0):

@@ -15,8 +15,8 @@ from mpfcad.film import (
     parse_units,
     read_stylus_trace,
 )
-from mpfcad.film.stylus.column import find_tip
-from mpfcad.film.stylus.unit import find_unit
+from mpfcad.film.stylus.file.column import find_tip
+from mpfcad.film.stylus.file.unit import find_unit
 
 BEF = Groove(0.050, 0.025)
 X = np.arange(0.0, 0.3, 2.5e-4)

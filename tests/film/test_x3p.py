@@ -7,7 +7,7 @@ import pytest
 
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, read_stylus_trace
-from mpfcad.film.stylus.x3p import read_x3p
+from mpfcad.film.stylus.file.x3p import read_x3p
 
 BEF = Groove(0.05, 0.025)
 AXIS = "<C{0}><AxisType>{1}</AxisType><DataType>{2}</DataType><Increment>{3}</Increment></C{0}>"

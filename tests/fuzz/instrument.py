@@ -48,7 +48,7 @@ def _curve(path: Path) -> None:
 
 def _areal(path: Path) -> None:
     from mpfcad.film import Groove
-    from mpfcad.film.stylus.reading import read_stylus_trace
+    from mpfcad.film.stylus.file.reading import read_stylus_trace
 
     read_stylus_trace(path, Groove(0.05, 0.025))
 

@@ -77,7 +77,7 @@ def _field(path: Path) -> None:
 
 def _stylus(path: Path) -> None:
     from mpfcad.film import Groove
-    from mpfcad.film.stylus.reading import read_stylus_trace
+    from mpfcad.film.stylus.file.reading import read_stylus_trace
 
     read_stylus_trace(path, Groove(0.05, 0.025))
 

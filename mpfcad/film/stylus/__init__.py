@@ -1,1 +1,1 @@
-"""Stylus traces: read, and the curvature and fill fitted to them."""
+"""Stylus traces: what a tip makes of a groove, and the curvature and fill fitted to them."""

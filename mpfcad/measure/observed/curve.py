@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.text import read_table
-from mpfcad.film.stylus.unit import UNITS, find_unit
+from mpfcad.film.stylus.file.text import read_table
+from mpfcad.film.stylus.file.unit import UNITS, find_unit
 
 _FEWEST = 16
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.text import read_table
+from mpfcad.film.stylus.file.text import read_table
 
 IMAGES = frozenset({".tif", ".tiff", ".fits", ".fit", ".fts", ".exr"})
 _FEWEST = 16

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.text import read_table
+from mpfcad.film.stylus.file.text import read_table
 from mpfcad.fit import Datum, Figured
 from mpfcad.fit.reading import (
     DIRECTIONS,

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.areal import ArealMap, cut_profile
-from mpfcad.film.stylus.profile import RawProfile
-from mpfcad.film.stylus.text import is_binary
-from mpfcad.film.stylus.unit import UNITS, find_unit
-from mpfcad.film.stylus.x3p import read_x3p
+from mpfcad.film.stylus.file.areal import ArealMap, cut_profile
+from mpfcad.film.stylus.file.profile import RawProfile
+from mpfcad.film.stylus.file.text import is_binary
+from mpfcad.film.stylus.file.unit import UNITS, find_unit
+from mpfcad.film.stylus.file.x3p import read_x3p
 
 #: Endings of the files that are no text, and what writes them.
 ENDINGS = {

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from mpfcad.boundary import TEXT_LIMIT
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.areal import ArealMap, cut_profile
-from mpfcad.film.stylus.profile import RawProfile
+from mpfcad.film.stylus.file.areal import ArealMap, cut_profile
+from mpfcad.film.stylus.file.profile import RawProfile
 
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 

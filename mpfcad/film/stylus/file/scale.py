@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.dilated import DilatedGroove
+from mpfcad.film.stylus.file.unit import UNITS, USUAL
 from mpfcad.film.stylus.tip import StylusTip
-from mpfcad.film.stylus.unit import UNITS, USUAL
 from mpfcad.units import um
 
 #: Share of the variance that a period must explain.

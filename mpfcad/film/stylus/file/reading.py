@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from mpfcad.boundary import TEXT_LIMIT, reads
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus.column import find_profile
-from mpfcad.film.stylus.instrument_file import is_instrument_file, read_instrument_file
-from mpfcad.film.stylus.profile import RawProfile, tidy
-from mpfcad.film.stylus.scale import SHOWN, Shape, fitting_units, is_plausible, read_shape
-from mpfcad.film.stylus.text import read_table
+from mpfcad.film.stylus.file.column import find_profile
+from mpfcad.film.stylus.file.instrument_file import is_instrument_file, read_instrument_file
+from mpfcad.film.stylus.file.profile import RawProfile, tidy
+from mpfcad.film.stylus.file.scale import SHOWN, Shape, fitting_units, is_plausible, read_shape
+from mpfcad.film.stylus.file.text import read_table
+from mpfcad.film.stylus.file.unit import UNITS, WORDS, parse_unit
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace, check_sampling
-from mpfcad.film.stylus.unit import UNITS, WORDS, parse_unit
 from mpfcad.units import deg, um
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.stylus.areal import ArealMap, cut_profile
-from mpfcad.film.stylus.profile import RawProfile
-from mpfcad.film.stylus.text import NumberTable
+from mpfcad.film.stylus.file.areal import ArealMap, cut_profile
+from mpfcad.film.stylus.file.profile import RawProfile
+from mpfcad.film.stylus.file.text import NumberTable
+from mpfcad.film.stylus.file.unit import NUMBER, UNITS, find_strange_unit, find_unit, parse_number
 from mpfcad.film.stylus.tip import USUAL_ANGLE, StylusTip
-from mpfcad.film.stylus.unit import NUMBER, UNITS, find_strange_unit, find_unit, parse_number
 from mpfcad.units import deg
 
 _NO_LENGTH = re.compile(
