@@ -120,7 +120,7 @@ def test_leds_are_measured_as_the_published_schemas_say(led, capsys):
         part = {key: value for key, value in record["contrast"].items() if key != missing}
         with pytest.raises(ValidationError):
             validate({**record, "contrast": part}, schema)
-    assert app("trace", "--stack", "mini-led-4mm", "--json") == 0
+    assert app("trace", "film.stl", "--stack", "mini-led-4mm", "--json") == 0
     figures, schema = json.loads(capsys.readouterr().out), published_schema("trace")
     validate(figures, schema)
     for missing in ("cell", "points", "energy"):
