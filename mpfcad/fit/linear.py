@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+_EPSILON, _TINY = float(np.finfo(float).eps), 1e-280
+
 
 @dataclass(frozen=True, eq=False)
 class Line:
@@ -69,6 +71,18 @@ def noise_of_lines(
     return found + together * np.outer(wide, wide) + np.outer(bow, bow)
 
 
+def flat_line(
+    at: NDArray[np.float64],
+    runs: int,
+    start: NDArray[np.float64],
+    start_covariance: NDArray[np.float64],
+) -> Line:
+    """Return the line of a view that depends on none of the values, beside lines of `runs`."""
+    k, m = len(at), len(start)
+    none = np.zeros((k, m)), np.zeros((m, k, k)), np.zeros(m), np.zeros((runs, m))
+    return Line(at, start, start_covariance, *none)
+
+
 def fit_line(
     at: NDArray[np.float64],
     steps: NDArray[np.float64],
@@ -92,6 +106,8 @@ def fit_line(
     raw = np.linalg.solve(inner, (away - middle).T @ (found - mean))
     rest = found - mean - (away - middle) @ raw
     scatter = np.sum(rest**2, axis=0) / max(1, len(steps) - away.shape[1] - 1)
+    # Exactly straight readings are known to their last bit, no better.
+    scatter = np.maximum(scatter, (_EPSILON * np.abs(found).max(axis=0)) ** 2 + _TINY)
     k, m = steps.shape[1], found.shape[1]
     slope, spread = np.zeros((k, m)), np.zeros((m, k, k))
     part = np.ix_(is_active, is_active)

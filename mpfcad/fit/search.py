@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mpfcad.confidence import STEP, factorial_steps
 from mpfcad.fit.datum import Datum
-from mpfcad.fit.linear import Line, fit_line
+from mpfcad.fit.linear import Line, fit_line, flat_line
 from mpfcad.fit.posterior import Lines, Posterior, fit_values
 from mpfcad.fit.unknown import Unknowns
 
@@ -98,6 +98,8 @@ def trace_line(
     """Return a view's straight line about `at` from runs at steps (n, k)."""
     start, covariance = tracer.trace(view, at, middle=True)
     is_active = tracer.active(view)
+    if not is_active.any():
+        return replace(flat_line(at, len(steps), start, covariance), slope=tracer.known(view))
     only = np.where(is_active, steps, at)
     found = np.array([tracer.trace(view, row, middle=False)[0] for row in only])
     line = fit_line(at, only, found, start, covariance, is_active)
@@ -105,7 +107,22 @@ def trace_line(
 
 
 def _first_steps(unknowns: Unknowns) -> NDArray[np.float64]:
-    return factorial_steps(len(unknowns.factors))
+    return distinct_steps(len(unknowns.factors))
+
+
+def distinct_steps(count: int) -> NDArray[np.float64]:
+    """Return a two-level factorial's steps, (n, count), no two alike.
+
+    Runs that a factorial of few values repeats would read the same again, for all runs share their
+    random numbers: they would tell of no scatter. Each repetition goes less far, down to half; main
+    effects stay free of each other, as each repetition is a factorial of its own.
+    """
+    steps = factorial_steps(count)
+    _, group = np.unique(steps, axis=0, return_inverse=True)
+    group = group.reshape(-1)
+    before = np.array([np.count_nonzero(group[:i] == group[i]) for i in range(len(group))])
+    found: NDArray[np.float64] = steps * (1 - 0.5 * before / (before.max() + 1))[:, None]
+    return found
 
 
 def _later_steps(covariance: NDArray[np.float64], unknowns: Unknowns) -> NDArray[np.float64]:
@@ -113,7 +130,7 @@ def _later_steps(covariance: NDArray[np.float64], unknowns: Unknowns) -> NDArray
     value, vector = np.linalg.eigh(covariance)
     size = np.clip(np.sqrt(np.maximum(value, 0)), _NARROW, 1.0)
     found: NDArray[np.float64] = (
-        (_LATER / STEP) * factorial_steps(len(unknowns.factors)) * size
+        (_LATER / STEP) * distinct_steps(len(unknowns.factors)) * size
     ) @ vector.T
     return found
 

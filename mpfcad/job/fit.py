@@ -129,7 +129,7 @@ class Fit(Table):
     name: Name
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 1
     stack: StackTable = StackTable(preset="thesis-32in-mpf")
-    values: list[str] | None = None
+    values: Annotated[list[str], Field(min_length=1)] | None = None
     free: list[str] = Field(default_factory=list)
     covariance: str | None = None
     trace: TraceTable = TraceTable()
@@ -137,6 +137,14 @@ class Fit(Table):
     measurement: Annotated[list[MeasurementTable], Field(min_length=1)]
     candidate: list[CandidateTable] = Field(default_factory=list)
     predict: list[PredictTable] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _each_once(self) -> "Fit":
+        for field, names in (("values", self.values or []), ("free", self.free)):
+            twice = [name for name in names if names.count(name) > 1]
+            if twice:
+                raise ValueError(f"{field}: {twice[0]}: named twice: expected each value once")
+        return self
 
     @model_validator(mode="after")
     def _known_cases(self) -> "Fit":

@@ -6,9 +6,11 @@ from factory import FIGURES, NEW_FILM, VIEWS, Factory, exactly, measured, unknow
 
 from mpfcad.confidence import Factor
 from mpfcad.errors import InputError
-from mpfcad.fit import Datum, build_unknowns, rank_next, search_values
+from mpfcad.fit import Datum, Figured, build_unknowns, rank_next, search_values
 from mpfcad.fit.linear import fit_line
 from mpfcad.fit.posterior import fit_values
+from mpfcad.fit.reading import luminance
+from mpfcad.fit.search import distinct_steps
 
 
 def draws(count, noise, seed):
@@ -96,6 +98,42 @@ def test_what_is_left_and_what_narrows_it():
     before, after = (one.posterior.predicted(NEW_FILM, one.lines)[1:] for one in (found, then))
     of_values = [np.sqrt((total - noise)[0, 0]) for total, noise in (before, after)]
     assert of_values[1] / of_values[0] == pytest.approx(left[flux.name], abs=0.1)
+
+
+class OneValue:
+    """A smooth response to one value; view b does not depend on it. No noise: runs repeat."""
+
+    def trace(self, view, steps, *, middle):
+        z = float(steps[0]) if view[0] == "a" else 0.0
+        found = np.array([8.9 + 0.03 * z + 0.001 * z**2, 0.01])
+        return found, np.eye(2) * (1e-8 if middle else 1e-7)
+
+    def active(self, view):
+        return np.array([view[0] == "a"])
+
+    def known(self, view):
+        return np.zeros((1, 2))
+
+
+def test_one_value_is_fitted_and_one_that_a_view_does_not_have():
+    sought = build_unknowns([Factor("top_sheet_sigma", 0.35, 0.028, 0.0, 10.0)], set(), set())
+    ratio = Figured("a over b", VIEWS[0], luminance, VIEWS[1])
+    true = 0.8
+    value = np.exp([0.03 * true + 0.001 * true**2])
+    datum = Datum(ratio, value, np.array([[0.003**2]]))
+    found = search_values(OneValue(), VIEWS[:2], [datum], sought).posterior
+    left = float(np.sqrt(found.covariance[0, 0]))
+    # A prior of 1 beside a measurement of 0.003 / 0.03 = 0.1.
+    assert left == pytest.approx(0.1, rel=0.15)
+    assert found.steps[0] == pytest.approx(true, abs=0.5 * left)
+
+
+def test_no_run_repeats_another():
+    for count in (1, 2, 3, 5, 16, 17):
+        steps = distinct_steps(count)
+        assert len(np.unique(steps, axis=0)) == len(steps)
+        square = steps.T @ steps
+        assert np.allclose(square, np.diag(np.diag(square))) and np.allclose(steps.sum(0), 0)
 
 
 def test_correlations_of_the_prior_stand_in_the_posterior():

@@ -66,6 +66,12 @@ def refused(path, setting=None):
     [
         (('case = "mpf"\nof', 'case = "slim"\nof'), "measurement 2: case: slim: no such case"),
         (('of = "luminance"\nvalue = 0', 'of = "haze"\nvalue = 0'), "measurement.0.of: haze: exp"),
+        (('["reflector_reflectance", "top_sheet_sigma"]', "[]"), "values: .*at least 1"),
+        (('["reflector', '["top_sheet_sigma", "reflector'), "values: top_sheet_sigma: named tw"),
+        (("[case.bef]\n\n[[measurement]]", "override = { reflector_reflectance = 0.9, "
+          "top_sheet_sigma = 0.3, lamp_luminance_cd_m2 = 1e4 }\n\n[case.bef]\n\n[[measurement]]\n"
+          'case = "mpf"\nof = "contrast"\nvalue = 0.02\nsigma = 0.01\n\n[[measurement]]'),
+         "measurement: mpf: contrast: case.mpf has none of the values sought"),
         (("sigma = 70.0", ""), "sigma: expected the standard error"),
         (("value = 7000.0", ""), "expected one of value, at_most, at_least"),
         (("curvature_per_mm = 60.0", "curvature_per_mm = 90.0"), "90: expected at most 80"),
@@ -144,6 +150,10 @@ sigma = 0.01
     assert mean.covariance[0, 0] ** 0.5 == pytest.approx(140, rel=0.01)
     assert along.value.mean() == pytest.approx(1) and len(along.label) == 7
     assert len(notes) == 1 and "66 points" in notes[0]
+    (tmp_path / "cut.csv").write_text("a,b\n" + "\n".join(f"{a},9" for a in (-1.4, 0, 1.4)))
+    with pytest.raises(InputError, match=r"cut.csv: angles within ±1.4: expected degrees"):
+        read_data(read_fit(path), path, 32.69)
+    (tmp_path / "cut.csv").write_text(cut)
     path.write_text(text.replace("sigma = 0.01", ""))
     with pytest.raises(InputError, match=r"cut.csv: no errors: expected a third column, or sigma"):
         read_data(read_fit(path), path, 32.69)

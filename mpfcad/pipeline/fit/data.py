@@ -27,6 +27,8 @@ from mpfcad.measure.observed.image import is_image
 #: Cosines of a measured curve that are compared.
 _COSINES = 4
 _FEWEST_ANGLES = 3
+#: A cut within a quarter turn in radians is no cut in degrees [°].
+_RADIANS = np.pi / 2
 #: Kind of view and figure of each scalar.
 _SCALAR: dict[str, tuple[str, Figure]] = {
     "contrast": (PITCH, contrast),
@@ -131,6 +133,11 @@ def _cut(where: str, table: MeasurementTable, file: Path) -> Datum:
         raise InputError(
             f"{where}: {table.file}: row {row}: expected {_FEWEST_ANGLES} or more angles within "
             "±80° and luminances above 0"
+        )
+    widest = float(np.abs(angle).max())
+    if widest <= _RADIANS:
+        raise InputError(
+            f"{where}: {table.file}: angles within ±{widest:.3g}: expected degrees, not radians"
         )
     mean = float(light.mean())
     error = values[:, 2] / mean if values.shape[1] == 3 else np.zeros(len(light))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
@@ -73,6 +74,7 @@ def fit_backlight(
         unknowns, active = find_unknowns(fit, file, stack, cases)
         _check_level(file, fit)
         _check_count(file, data, unknowns)
+        _check_reach(file, data, active)
         views = _views([d.figured for d in data])
         tracer = FitTracer(
             cases, unknowns, active, Store.open(progress.note),
@@ -158,6 +160,16 @@ def _check_count(file: Path, data: list[Datum], unknowns: Unknowns) -> None:
             f"{file}: {measured} measured numbers for {len(free)} values without prior "
             f"({', '.join(free)}): expected as many, or a prior (sigma)"
         )
+
+
+def _check_reach(file: Path, data: list[Datum], active: dict[str, NDArray[np.bool_]]) -> None:
+    for datum in data:
+        cases = [view[0] for view in datum.figured.views]
+        if not any(active[case].any() for case in cases):
+            raise InputError(
+                f"{file}: measurement: {datum.name}: case.{cases[0]} has none of the values sought "
+                "(its override fixes them): expected a case that has one"
+            )
 
 
 def _check_held(file: Path, found: Found, unknowns: Unknowns) -> None:
