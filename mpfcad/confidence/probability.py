@@ -21,7 +21,7 @@ class Likely:
     probability
         that the contrast is at most the limit; its interval is that of the traces' noise
     contrast
-        median, and the ends between which 95 % of the contrasts lie
+        median, and the ends between which 95 % of the contrasts lie, traces' noise included
     """
 
     probability: Estimate
@@ -47,7 +47,8 @@ def likely_contrast(
     contrast = best.contrast(steps)
     rng = np.random.Generator(np.random.Philox(seed + 1))
     few = steps[: len(steps) // 4]
-    shares = [np.mean(best.drawn(rng).contrast(few) <= limit) for _ in range(_RESPONSES)]
+    drawn = np.stack([best.drawn(rng).contrast(few) for _ in range(_RESPONSES)])
+    shares = np.mean(drawn <= limit, axis=1)
     # The share and the range below are of the same contrasts, so that they cannot contradict each
     # other. Noise in the response raises contrasts: what a second dose of it takes away, the first
     # may have taken too (the basic bootstrap: Davison and Hinkley, "Bootstrap methods", 1997), so
@@ -57,8 +58,20 @@ def likely_contrast(
     low = float(np.clip(min(lower, share + once - upper), 0, share))
     high = float(np.clip(max(upper, share + once - lower), share, 1))
     interval = Estimate.within(share, low, high)
-    low, middle, high = np.quantile(contrast, [0.025, 0.5, 0.975])
-    return Likely(interval, Estimate.within(float(middle), float(low), float(high)))
+    return Likely(interval, _range(contrast, drawn))
+
+
+def _range(contrast: NDArray[np.float64], drawn: NDArray[np.float64]) -> Estimate:
+    """Return the median and 95 % range of contrasts (n,), with the doubt about the response.
+
+    drawn: (responses, n), contrasts of responses that the traces may stand for. Their noise raises
+    contrasts, and the first dose of it did, too: so much may be taken off the low end.
+    """
+    low, middle, high = (float(end) for end in np.quantile(contrast, [0.025, 0.5, 0.975]))
+    raised = float(np.quantile(np.quantile(drawn, 0.025, axis=1), 0.975)) - low
+    least, most = (float(end) for end in np.quantile(drawn, [0.025, 0.975]))
+    least = min(low, least) - max(0.0, raised)
+    return Estimate.within(middle, max(0.0, least), max(high, most))
 
 
 def shares_of_variance(response: Response, correlation: NDArray[np.float64]) -> NDArray[np.float64]:

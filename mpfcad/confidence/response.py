@@ -39,13 +39,15 @@ class Response:
     basis: NDArray[np.float64]
 
     def shrunk(self) -> "Response":
-        """Return it with slopes and bends less what the traces' noise adds to their power.
+        """Return it less what the traces' noise adds to the power of its start, slopes and bends.
 
-        A noisy effect is too large in the mean of squares by its variance: it would widen the
-        contrasts that the inputs give (James and Stein, "Estimation with quadratic loss", 1961).
+        A noisy curve is too large in the mean of squares by its variance: it would raise the
+        contrasts, and widen those that the inputs give (James and Stein, "Estimation with quadratic
+        loss", 1961). What is left in doubt never vanishes with it (`_doubt`).
         """
+        start, covariance = shrink_each(self.start[None], self.start_covariance[None])
         return Response(
-            self.start, self.start_covariance, *_shrink(self.slope, self.slope_covariance),
+            start[0], covariance[0], *_shrink(self.slope, self.slope_covariance),
             *_shrink(self.bend, self.bend_covariance), self.basis,
         )  # fmt: skip
 
@@ -88,8 +90,8 @@ def shrink_each(
     """
     noise = np.diagonal(covariance, axis1=1, axis2=2)
     power = np.where(effect == 0, 1.0, effect**2)
-    kept = np.maximum(0.0, 1 - noise / power) * (effect != 0)
-    root = np.sqrt(kept)
+    kept = np.maximum(0.0, 1 - noise / power)
+    root = np.sqrt(_doubt(1, effect**2 / np.where(noise > 0, noise, 1.0)))
     return effect * kept, covariance * root[:, :, None] * root[:, None, :]
 
 
@@ -99,7 +101,25 @@ def _shrink(
     power = np.sum(effect**2, axis=1)
     noise = np.trace(covariance, axis1=1, axis2=2)
     kept = np.where(power > 0, np.maximum(0.0, 1 - noise / np.where(power > 0, power, 1.0)), 0.0)
-    return effect * kept[:, None], covariance * kept[:, None, None]
+    # As many independent values as the noise has (Satterthwaite, 1946).
+    values = noise**2 / np.maximum(np.sum(covariance**2, axis=(1, 2)), 1e-300)
+    doubt = _doubt(values, values * power / np.where(noise > 0, noise, 1.0))
+    return effect * kept[:, None], covariance * doubt[:, None, None]
+
+
+def _doubt(values: NDArray[np.float64] | int, power: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how much of the noise's variance is left in what may stand behind noisy values.
+
+    power: |read|² of so many `values` in units of the noise. The truth is normal about 0 with a
+    variance that is not known, so that the share κ of noise in what is read is as likely here as
+    there in (0, 1) (Strawderman, "Proper Bayes minimax estimators of the multivariate normal mean",
+    1971): the mean of 1 - κ. An effect that cannot be told from noise is not known to be none.
+    """
+    from scipy.special import gammainc
+
+    a, s = np.asarray(values) / 2 + 1, np.maximum(power / 2, 1e-9)
+    share: NDArray[np.float64] = 1 - a / s * gammainc(a + 1, s) / gammainc(a, s)
+    return share
 
 
 def _draw(
