@@ -9,7 +9,7 @@ from jsonschema import validate
 
 from mpfcad.cli import run_app
 from mpfcad.confidence import probability
-from mpfcad.measure import POINTS, rounds
+from mpfcad.measure import POINTS, luminance, rounds
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.confidence.runs import Runs
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, MeasureSetting
@@ -46,6 +46,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(rounds, "_LEAST_PATHS", 30_000)
+    monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 8)
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
     monkeypatch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 6))

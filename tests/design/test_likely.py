@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpfcad.confidence import probability
-from mpfcad.design import Iteration, Traced, series_rows
+from mpfcad.design import Iteration, Traced, scenario, series_rows
 from mpfcad.design.optimum import map_on_cells
 from mpfcad.job.design import Design
 from mpfcad.job.reader import validate
@@ -38,6 +38,7 @@ def work(tmp_path, lamps, monkeypatch):
     made.__dict__["response"] = lamps
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setattr(likely, "_DRAWS", 100)
+    monkeypatch.setattr(scenario, "_SOFT", (0.15,))
     asked = []
 
     def trace(rows, label, number, shift=0.0):
