@@ -57,6 +57,20 @@ def test_the_order_is_one_page_that_states_everything(export):
     assert {"order.pdf", "coupons.csv"} <= set(str(manifest).replace("'", " ").split())
 
 
+def test_the_size_of_the_artwork_is_that_of_what_the_file_draws(export):
+    layout = kdb.Layout()
+    layout.read(str(export / "out" / "mask.gds"))
+    top, box = layout.top_cell(), kdb.DBox()
+    for layer in layout.layer_indexes():
+        shapes = top.begin_shapes_rec(layer)
+        shapes.shape_flags = kdb.Shapes.SPolygons | kdb.Shapes.SBoxes | kdb.Shapes.SPaths
+        while not shapes.at_end():
+            box += shapes.shape().bbox().transformed(shapes.itrans()).to_dtype(layout.dbu / 1000)
+            shapes.next()
+    order = json.loads((export / "out" / "screen.json").read_text("utf-8"))["order"]
+    assert order["artwork_mm"] == pytest.approx([box.width(), box.height()], abs=1e-5)
+
+
 def test_the_order_shows_the_artwork_of_the_file(export, tmp_path):
     from pypdf import PdfReader
 

@@ -1,12 +1,13 @@
 """What a screen maker quotes from: the facts of an order, as values, lines of text and coupons."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from mpfcad.film import Process
 from mpfcad.mask.aperture import Mask
+from mpfcad.mask.fabric import Mesh
 from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.furniture import wedge_ratios
 from mpfcad.mask.phototool import Phototool
@@ -65,7 +66,10 @@ def edge_tolerance(mask: Mask, process: Process, curvature: float) -> float | No
 
 
 def artwork_size(mask: Mask, phototool: Phototool) -> tuple[float, float]:
-    """Return the size of the artwork, furniture included, across and along [mm]."""
+    """Return the size of the artwork, furniture included, across and along [mm].
+
+    Of the order's lines the first is drawn, too: `phototool` holds it in its notes.
+    """
     left, bottom, right, top = (v * GRID for v in draw(mask, phototool, paints=True).bounds())
     return right - left, top - bottom
 
@@ -77,12 +81,14 @@ def describe_order(
     mesh, rules = mask.rules.mesh, mask.rules
     aperture, web = mask.smallest_features
     tolerance = edge_tolerance(mask, process, terms.curvature_tolerance)
-    artwork = artwork_size(mask, phototool)
+    screen = screen_line(mesh, terms)
+    artwork = artwork_size(mask, replace(phototool, notes=(screen,)))
     frame = terms.frame or tuple(float(np.ceil(FRAME_SHARE * side / 10) * 10) for side in artwork)
     return {
         "name": mask.name,
         "revision": terms.revision,
         "content_sha256_12": mask.content_hash,
+        "screen": screen,
         "mesh": None if mesh is None else mesh.name,
         "mesh_material": None if mesh is None else mesh.material,
         "mesh_opening_um": None if mesh is None else mesh.opening / um,
@@ -113,16 +119,19 @@ def describe_order(
     }
 
 
+def screen_line(mesh: Mesh | None, terms: OrderTerms) -> str:
+    """Return the mesh, how it stands and its emulsion as a line of ASCII text."""
+    if mesh is None:
+        return "phototool only: no mesh named"
+    over = "not stated" if terms.emulsion is None else f"{terms.emulsion / um:g} um"
+    return (
+        f"mesh {mesh.name} {mesh.material} at {terms.mesh_angle / deg:g} deg to the grooves; "
+        f"emulsion over mesh {over}"
+    )
+
+
 def order_lines(order: dict[str, Any]) -> tuple[str, ...]:
-    """Return the order as lines of ASCII text for the files."""
-    if order["mesh"] is None:
-        screen = "phototool only: no mesh named"
-    else:
-        over = order["emulsion_over_mesh_um"]
-        screen = (
-            f"mesh {order['mesh']} {order['mesh_material']} at {order['mesh_angle_deg']:g} deg to "
-            f"the grooves; emulsion over mesh {'not stated' if over is None else f'{over:g} um'}"
-        )
+    """Return the order as lines of ASCII text for the files, the line of the screen first."""
     pattern = f"{order['pattern']} period {order['period_um']:.4f} um"
     if order["smallest_aperture_um"] is not None:
         pattern += f"; smallest aperture {order['smallest_aperture_um']:.3f} um"
@@ -133,7 +142,7 @@ def order_lines(order: dict[str, Any]) -> tuple[str, ...]:
     frame = " x ".join(f"{side:g}" for side in order["frame_inside_mm"])
     stroke = {"along": "y", "across": "x"}[order["squeegee"]]
     return (
-        screen,
+        order["screen"],
         pattern,
         f"grooves along y; squeegee along {stroke}; frame inside {frame} mm; revision "
         f"{order['revision']}",

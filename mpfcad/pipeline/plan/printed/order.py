@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from mpfcad.mask.screen.order import (
     artwork_size,
     describe_order,
     order_lines,
+    screen_line,
 )
 from mpfcad.pipeline.plan.printed.picture import refuse_picture
 from mpfcad.pipeline.plan.printed.screen import moire_setting
@@ -110,7 +112,8 @@ def refuse_mask_formats(
     InputError
         naming the job's field, and what would do.
     """
-    artwork = artwork_size(mask, bare_phototool(job))
+    line = screen_line(mask.rules.mesh, order_terms(job))
+    artwork = artwork_size(mask, replace(bare_phototool(job), notes=(line,)))
     _refuse_frame(job, artwork, where)
     if "tif" in formats:
         refuse_picture(artwork, job.mask.tif_dpi, mask.is_lattice, where, folder)
