@@ -1,5 +1,6 @@
 """The tables of a fit: a backlight with priors, films in it, and what was measured of them."""
 
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -17,6 +18,11 @@ Of = Literal[
     "curve", "cut_across", "cut_along",
 ]  # fmt: skip
 FILES = ("curve", "cut_across", "cut_along")
+#: Least and largest of figures that are not just above 0.
+_RANGE = {
+    "contrast": (0.0, 1.0), "efficiency": (0.0, 1.0),
+    "fwhm_across_deg": (0.0, 180.0), "fwhm_along_deg": (0.0, 180.0),
+}  # fmt: skip
 _LIMITS = ("value", "at_most", "at_least")
 _IMAGE = ("pixel_mm", "cd_m2_per_count", "dark", "flat", "crop", "rotation_deg")
 _CURVE = ("lamp_at_mm", "pitch_mm", "unit", "scale_sigma", *_IMAGE)
@@ -75,7 +81,7 @@ class MeasurementTable(Table):
     value: Number | None = None
     at_most: Number | None = None
     at_least: Number | None = None
-    sigma: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    sigma: Positive | None = None
     file: str | None = None
     unit: str | None = None
     lamp_at_mm: Number | None = None
@@ -114,12 +120,21 @@ class MeasurementTable(Table):
         else:
             if len(stated) != 1 or self.file is not None:
                 raise ValueError(f'of = "{self.of}": expected one of {", ".join(_LIMITS)}')
-            if not self.sigma:
+            if self.sigma is None:
                 raise ValueError("sigma: expected the standard error, above 0")
+            self._check_possible(stated[0])
         wrong = sorted(self.model_fields_set & set(_CURVE)) if self.of != "curve" else []
         if wrong:
             raise ValueError(f'{wrong[0]}: expected only with of = "curve"')
         return self
+
+    def _check_possible(self, key: str) -> None:
+        value = getattr(self, key)
+        low, high = _RANGE.get(self.of, (0.0, inf)) if self.over is None else (0.0, inf)
+        if not low <= value <= high or (high == inf and value == 0):
+            what = self.of if self.over is None else f"{self.of} over {self.over}"
+            wanted = "a value above 0" if high == inf else f"{low:g} … {high:g}"
+            raise ValueError(f"{key}: {value:g}: {what}: expected {wanted}")
 
 
 class Fit(Table):
@@ -152,6 +167,11 @@ class Fit(Table):
         rows += [("candidate", self.candidate), ("predict", self.predict)]
         for table, entries in rows:
             for number, entry in enumerate(entries, 1):
+                if entry.over == entry.case:
+                    raise ValueError(
+                        f"{table} {number}: over: {entry.over}: is its own case, so the ratio is "
+                        "always 1: expected another"
+                    )
                 for key in ("case", "over"):
                     name = getattr(entry, key)
                     if name is not None and name not in self.case:

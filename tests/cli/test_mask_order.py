@@ -162,6 +162,16 @@ def test_what_comes_back_unchanged_is_the_same(export, capsys, suffix):
     assert capsys.readouterr().out == "the same in all 170 grooves\n"
 
 
+def test_a_dxf_in_another_unit_is_refused(export, tmp_path, capsys):
+    text = (export / "out" / "mask.dxf").read_text("utf-8")
+    assert text.count("$INSUNITS\n 70\n4\n") == 1
+    for unit, code, words in ((1, 2, "$INSUNITS 1 (in): its numbers are not mm"), (0, 0, "")):
+        file = tmp_path / "back.dxf"
+        file.write_text(text.replace("$INSUNITS\n 70\n4\n", f"$INSUNITS\n 70\n{unit}\n"), "utf-8")
+        assert run_app(["mask", str(export / "job.toml"), "--compare", str(file)]) == code
+        assert words in capsys.readouterr().err
+
+
 def edited(export, tmp_path, change):
     """Return the export's GDSII as a maker's program may write it."""
     layout = kdb.Layout()

@@ -72,6 +72,22 @@ def refused(path, setting=None):
           "top_sheet_sigma = 0.3, lamp_luminance_cd_m2 = 1e4 }\n\n[case.bef]\n\n[[measurement]]\n"
           'case = "mpf"\nof = "contrast"\nvalue = 0.02\nsigma = 0.01\n\n[[measurement]]'),
          "measurement: mpf: contrast: case.mpf has none of the values sought"),
+        (("sigma = 70.0", "sigma = 0.0"), "measurement.1.sigma: 0.0: expected"),
+        (("sigma = 70.0", "sigma = -1.0"), "measurement.1.sigma: -1.0: expected"),
+        (("sigma = 70.0", "sigma = nan"), "measurement.1.sigma: nan: expected"),
+        (('over = "bef"', 'over = "mpf"'), "measurement 1: over: mpf: is its own case"),
+        (("value = 0.94", "value = 0.0"), "value: 0: luminance over bef: expected a value above"),
+        (("value = 7000.0", "value = -2.0"), "value: -2: luminance: expected a value above 0"),
+        (("value = 7000.0", "at_most = inf"), "measurement.1.at_most: inf: expected"),
+        *[
+            (('of = "luminance"\nvalue = 7000.0', f'of = "{of}"\n{key} = {value}'),
+             f"{key}: {value}: {of}: expected {wanted}")
+            for of, key, value, wanted in (
+                ("efficiency", "value", 1.2, "0 … 1"), ("efficiency", "at_least", -0.1, "0 … 1"),
+                ("contrast", "value", 1.8, "0 … 1"), ("contrast", "at_most", -0.01, "0 … 1"),
+                ("fwhm_across_deg", "value", 180.5, "0 … 180"), ("flux", "value", -0.5, "a value"),
+            )
+        ],
         (("sigma = 70.0", ""), "sigma: expected the standard error"),
         (("value = 7000.0", ""), "expected one of value, at_most, at_least"),
         (("curvature_per_mm = 60.0", "curvature_per_mm = 90.0"), "90: expected at most 80"),
@@ -153,6 +169,11 @@ sigma = 0.01
     (tmp_path / "cut.csv").write_text("a,b\n" + "\n".join(f"{a},9" for a in (-1.4, 0, 1.4)))
     with pytest.raises(InputError, match=r"cut.csv: angles within ±1.4: expected degrees"):
         read_data(read_fit(path), path, 32.69)
+    for error in (0, -1):
+        rows = "\n".join(f"{a},9,{error if a else 1}" for a in (0, 20, 40))
+        (tmp_path / "cut.csv").write_text("a,b,c\n" + rows)
+        with pytest.raises(InputError, match=rf"cut.csv: row 3: 20, 9, {error}: .*error above 0"):
+            read_data(read_fit(path), path, 32.69)
     (tmp_path / "cut.csv").write_text(cut)
     path.write_text(text.replace("sigma = 0.01", ""))
     with pytest.raises(InputError, match=r"cut.csv: no errors: expected a third column, or sigma"):

@@ -17,7 +17,7 @@ from mpfcad.mask.aperture import Mask
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.check.fingerprint import fingerprint
 from mpfcad.mask.check.read_gerber import read_gerber
-from mpfcad.mask.check.read_layout import layout_arrays, open_layout
+from mpfcad.mask.check.read_layout import check_unit, layout_arrays, open_layout
 from mpfcad.mask.check.tally import Tally
 from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.flat import flat_tiles
@@ -140,6 +140,8 @@ def _read(path: Path) -> tuple[list[ApertureArray], tuple[int, int, int, int]]:
         found = read_gerber(path)
         return list(found.arrays()), found.outline
     layout = open_layout(path)
+    if path.suffix == ".dxf":
+        check_unit(path)
     layer = layout.find_layer(OUTLINE, 0)
     box = None if layer is None else layout.top_cell().bbox(layer)
     if box is None or box.empty():

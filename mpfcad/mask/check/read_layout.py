@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mpfcad.errors import ExportError
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.check.found import Box, FoundMask, read_polarity
+from mpfcad.mask.format.dxf import MILLIMETRE
 from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, OUTLINE, TEXT
 from mpfcad.mask.rule import GRID
 from mpfcad.units import mm, um
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 _NAMED = re.compile(r"[A-Z]+_(\d+)")
 #: Database unit of a mask file [µm].
 DATABASE_UNIT = GRID / um
+#: DXF's numbers of units end here; the first is none.
+_UNITS = 25
 
 
 def open_layout(path: Path) -> "kdb.Layout":
@@ -47,6 +50,29 @@ def open_layout(path: Path) -> "kdb.Layout":
         raise ExportError(f"{path}: database unit {layout.dbu:g} µm: expected {DATABASE_UNIT:g}")
     _number_layers(layout)
     return layout
+
+
+def check_unit(path: Path) -> None:
+    """Refuse a DXF whose header states another unit than mm; without unit it is taken as mm.
+
+    Raises
+    ------
+    ExportError
+        naming the unit, and how its drawing is scaled.
+    """
+    from ezdxf import DXFError, units
+    from ezdxf.filemanagement import dxf_file_info
+
+    try:
+        stated = dxf_file_info(path).insert_units
+    except DXFError as error:
+        raise ExportError(f"{path}: not a readable mask: {error}") from None
+    if stated not in (0, MILLIMETRE):
+        name = units.decode(stated) if 0 < stated < _UNITS else "unknown"
+        raise ExportError(
+            f"{path}: $INSUNITS {stated} ({name}): its numbers are not mm: expected "
+            f"{MILLIMETRE} (mm), drawn 1:1"
+        )
 
 
 def _number_layers(layout: "kdb.Layout") -> None:

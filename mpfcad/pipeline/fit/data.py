@@ -121,12 +121,19 @@ def _cut(where: str, table: MeasurementTable, file: Path) -> Datum:
         raise InputError(f"{where}: file: {path}: no such file: expected angles and luminances")
     read = read_table(path)
     values = read.values
-    if values.shape[1] not in (2, 3) or not np.isfinite(values).all():
+    if values.shape[1] not in (2, 3):
         raise InputError(
             f"{where}: {table.file}: {values.shape[1]} columns: expected angle_deg, luminance and, "
             "if it is known, its standard error"
         )
     angle, light = values[:, 0], values[:, 1]
+    wrong = np.flatnonzero(~np.isfinite(values).all(axis=1) | (values[:, 2:] <= 0).any(axis=1))
+    if wrong.size:
+        shown = ", ".join(f"{value:g}" for value in values[wrong[0]])
+        raise InputError(
+            f"{where}: {table.file}: row {read.lines[int(wrong[0])]}: {shown}: expected numbers, "
+            "and a standard error above 0"
+        )
     bad = np.flatnonzero((np.abs(angle) > 80) | (light <= 0))
     if bad.size or len(angle) < _FEWEST_ANGLES:
         row = read.lines[int(bad[0])] if bad.size else read.lines[-1]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
-from mpfcad.film import CurvatureMap, CurvatureSeries, check_curvature, read_curvature_cell
+from mpfcad.film import CurvatureMap, CurvatureSeries, Groove, check_curvature, read_curvature_cell
 from mpfcad.job import CadTable, Job, MapTable
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure, PrintError
 from mpfcad.pipeline.plan.groove_map import read_map
@@ -106,6 +106,8 @@ def read_cell_maps(
     _refuse(job, stack, where)
     groove, frame = job.film.groove, CellFrame.of(stack)
     pitch, piece = groove.pitch, piece_length(job.cad)
+    for film in departure.films:
+        _check_error(film, groove, where)
     at = departure.film(0).on(_read(job, job_file, job.map, stack), frame.size, groove)
     found = [wanted_over(at, frame, pitch, piece, where)]
     if job.crossed is not None:
@@ -157,6 +159,15 @@ def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArra
         )
     check_curvature(curvature, job.film.groove, job.film.profile, f"{where}: map.curvature_per_mm")
     return np.full(count, curvature)
+
+
+def _check_error(film: PrintError, groove: Groove, where: str) -> None:
+    most = groove.curvature_empty
+    if abs(film.curvature) >= most:
+        raise InputError(
+            f"{where}: axis curvature_error_per_mm: {film.curvature:g}: no C is left within "
+            f"0 … {most:g} /mm: expected less"
+        )
 
 
 def refuse_cell_map(job: Job, where: str) -> None:

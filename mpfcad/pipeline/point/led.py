@@ -41,6 +41,11 @@ def departure_of(stack: Stack, coordinate: Coordinate, where: str) -> Departure:
             f"{where}: axis {wrong[0]}: LEDs light the stack: expected table.field of a job or one "
             f"of {', '.join(LED_AXES)}"
         )
+    if coordinate.get("resin_percent", 0.0) <= -100:
+        raise InputError(
+            f"{where}: axis resin_percent: {coordinate['resin_percent']:g}: leaves no resin: "
+            "expected above -100"
+        )
     whole = {axis: _whole(coordinate, axis, where) for axis in ("led_repeat", "led_seed")}
     dead, repeat = _whole(coordinate, "dead_led", where), whole["led_repeat"]
     return Departure(
