@@ -81,6 +81,18 @@ def test_a_tone_curve_is_calibrated_with_its_intervals(traces, capsys):
         assert entry["ci95"][0] < entry["value"] < entry["ci95"][1]
 
 
+def test_prints_that_the_screen_cannot_have_held_are_refused(traces, capsys):
+    arguments = list(TRUTH)
+    for ratio, _ in TRUTH.values():
+        arguments += ["--aperture", str(ratio)]
+    options = ["--mesh", "120-34", "--solids", "0.1", "--out", "process.toml"]
+    assert run_app(["calibrate", *arguments, *options]) == 2
+    assert "of what the mesh holds would lie in the grooves: expected at most 100 %" in (
+        capsys.readouterr().err
+    )
+    assert not (traces / "process.toml").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

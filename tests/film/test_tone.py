@@ -90,6 +90,16 @@ def test_coupons_that_scatter_widen_the_interval():
     assert torn.belief.log_deviation([0.1])[0] > 3 * calm.belief.log_deviation([0.1])[0]
 
 
+def test_less_resin_from_more_aperture_is_refused():
+    swapped = [FillCoupon(0.2, 0.13, 0.01, "c10"), FillCoupon(0.1, 0.277, 0.01, "c20")]
+    with pytest.raises(InputError, match="are the ratios swapped") as error:
+        calibrate(prior_belief(None), swapped)
+    assert "c10: fill 0.13 at aperture_ratio 0.2, but c20 has 0.277 at 0.1" in str(error.value)
+    # A little less is scatter.
+    near = [FillCoupon(0.2, 0.13, 0.05, "a"), FillCoupon(0.19, 0.135, 0.05, "b")]
+    assert calibrate(prior_belief(None), near).belief.transfer_factor > 0
+
+
 def test_the_dead_zone_stays_below_the_smallest_print():
     """However little the smallest coupon holds: it did print."""
     coupons = [FillCoupon(a, f, 1e-6, "c") for a, f in ((0.05, 1e-5), (0.1, 0.05), (0.2, 0.12))]

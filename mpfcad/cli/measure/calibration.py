@@ -37,16 +37,17 @@ def write_calibration(
     if model == "table":
         write_process(out, coupons, groove)
         return read(out, groove).describe()
-    factor, screen = None, None
+    factor, screen, most = None, None, float("inf")
     if mesh is not None:
         fabric = find_mesh(mesh, emulsion=emulsion_um * um, where="--mesh")
         factor = solids * fabric.transfer_factor(groove, PRIOR_RELEASE)
+        most = solids * fabric.transfer_factor(groove, 1.0)
         screen = {
             "mesh": fabric.name,
             "volume_cm3_m2": round(fabric.volume / um, 6),
             "solids_fraction": solids,
         }
-    found = write_tone_process(out, coupons, groove, prior_belief(factor), screen)
+    found = write_tone_process(out, coupons, groove, prior_belief(factor), screen, most)
     return read(out, groove).describe() | {"scatter_ratio": found.birge}
 
 

@@ -26,6 +26,8 @@ PRIOR_RELEASE, RELEASE_DEVIATION = 0.65, 0.22
 UNKNOWN_FACTOR = 1.0
 #: From print to print and from groove to groove, of ln(fill): assumed, until coupons are repeated.
 SPREAD = 0.03
+#: Coupons whose fill falls with the aperture ratio by more than so many deviations are swapped.
+SWAPPED = 4.0
 ITERATIONS, SETTLED = 200, 1e-10
 
 
@@ -78,7 +80,8 @@ def calibrate(
     Raises
     ------
     InputError
-        for fewer than two aperture ratios, or a coupon that is no print.
+        for fewer than two aperture ratios, a coupon that is no print, or more aperture that gave
+        less resin.
     """
     ratios = {coupon.aperture_ratio for coupon in coupons}
     if len(ratios) < 2:
@@ -90,6 +93,7 @@ def calibrate(
                 f"{coupon.name}: aperture_ratio {coupon.aperture_ratio:g}, fill_fraction "
                 f"{coupon.fill_fraction:.4g}: expected both above 0, and a groove that is not full"
             )
+    _check_order(coupons, spread)
     ratio = np.array([coupon.aperture_ratio for coupon in coupons])
     wanted = np.log([coupon.fill_fraction for coupon in coupons])
     weight = 1 / (np.array([c.log_deviation for c in coupons]) ** 2 + spread**2)
@@ -101,6 +105,22 @@ def calibrate(
     covariance = np.asarray(np.linalg.inv(precision), np.float64)
     birge = float(np.sqrt(max(1.0, np.sum(weight * residual**2) / len(ratio))))
     return Calibration(ToneBelief(mean, covariance * birge**2), residual, birge)
+
+
+def _check_order(coupons: Sequence[FillCoupon], spread: float) -> None:
+    """Refuse less resin from more aperture, beyond what measurement and print scatter."""
+    by_ratio = sorted(coupons, key=lambda coupon: coupon.aperture_ratio)
+    for i, less in enumerate(by_ratio):
+        for more in by_ratio[i + 1 :]:
+            fall = np.log(less.fill_fraction / more.fill_fraction)
+            error = np.hypot(np.hypot(less.log_deviation, more.log_deviation), 2**0.5 * spread)
+            if more.aperture_ratio > less.aperture_ratio and fall > SWAPPED * error:
+                raise InputError(
+                    f"{more.name}: fill {more.fill_fraction:.4g} at aperture_ratio "
+                    f"{more.aperture_ratio:g}, but {less.name} has {less.fill_fraction:.4g} at "
+                    f"{less.aperture_ratio:g}: expected more resin from more aperture: are the "
+                    "ratios swapped?"
+                )
 
 
 def _most_probable(

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.process.file import read_process
@@ -64,18 +66,28 @@ def write_tone_process(
     groove: Groove,
     prior: ToneBelief,
     screen: dict[str, object] | None = None,
+    most: float = np.inf,
 ) -> Calibration:
     """Write a `tone` calibration, the posterior of coupons, and return it.
 
-    `screen` is what the coupons were printed through, in outside names; None: not stated.
+    `screen` is what the coupons were printed through, in outside names; None: not stated. `most` is
+    the transfer factor at which all that the screen holds leaves it.
 
     Raises
     ------
     InputError
-        when the coupons are fewer than two aperture ratios, or are no prints.
+        when the coupons are fewer than two aperture ratios, are no prints, or surely hold more
+        resin than the screen does.
     """
     fills = [coupon.fill(groove) for coupon in coupons]
     found = calibrate(prior, fills)
+    factor, deviation = found.belief.transfer_factor, float(found.belief.deviation[0])
+    if factor * np.exp(-NORMAL_95 * deviation) > most * (1 + 1e-9):
+        raise InputError(
+            f"{', '.join(coupon.name for coupon in coupons)}: {factor / most:.0%} of what the mesh "
+            "holds would lie in the grooves: expected at most 100 %: --mesh, --solids or "
+            "--aperture do not fit these prints"
+        )
     _write(path, _tone_document(found, fills, groove, screen), groove)
     return found
 
