@@ -11,12 +11,14 @@ from mpfcad.measure.observed import (
     LuminanceImage,
     Photo,
     askew_words,
+    check_pitch,
     curve_of_image,
     find_pitch,
     observe_cell,
     observe_pitch,
     read_curve,
     read_image,
+    spots_askew_words,
 )
 from mpfcad.measure.observed.cell import means_of_sides
 from mpfcad.measure.observed.image import is_image
@@ -91,7 +93,9 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
     if of_spots and image is None:
         raise InputError(f"{path}: a curve: expected an image with --spots or --cell-mm")
     if image is not None and of_spots:
-        size = judging.cell or _cell_size(path, image)
+        words = spots_askew_words(path, image)
+        record |= {"notes": [words]} if words else {}
+        size = _cell_size(path, image, judging.cell)
         found = observe_cell(image, size, judging.seed)
         record |= {"reading": image.reading, **describe_observed_cell(found)}
         if predicted is not None:
@@ -106,6 +110,8 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
         words = "" if image is None else askew_words(path, image, curve)
         record |= {"notes": [words]} if words else {}
         pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
+        if judging.pitch is not None:
+            check_pitch(str(path), curve.position, curve.luminance, pitch)
         seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
         record |= {"reading": curve.reading, **describe_pitch(seen)}
         record["pitch_found"] = judging.pitch is None
@@ -163,10 +169,19 @@ def _limits(judging: Judging, predicted: dict[str, Any] | None) -> tuple[float, 
     return limit, marginal
 
 
-def _cell_size(path: Path, image: LuminanceImage) -> tuple[float, float]:
-    """Return the pitches across and along that an image shows."""
-    across, along = means_of_sides(image)
-    return find_pitch(f"{path}: across", *across), find_pitch(f"{path}: along", *along)
+def _cell_size(
+    path: Path, image: LuminanceImage, stated: tuple[float, float] | None
+) -> tuple[float, float]:
+    """Return the pitches across and along: those stated, if the image bears them out, or found."""
+    found = []
+    for axis, curve in enumerate(means_of_sides(image)):
+        name = f"{path}: {('across', 'along')[axis]}"
+        if stated is None:
+            found.append(find_pitch(name, *curve, "--cell-mm"))
+        else:
+            check_pitch(name, *curve, stated[axis], "--cell-mm")
+            found.append(stated[axis])
+    return found[0], found[1]
 
 
 def gate_of(record: dict[str, Any]) -> Gate:

@@ -110,6 +110,8 @@ def photo_of(
     from mpfcad.units import deg
 
     refuse_infinite("--rotation-deg", rotation_deg)
+    if abs(rotation_deg) > 180:
+        raise InputError(f"--rotation-deg: {rotation_deg:g}: expected -180 to 180")
     if pixel is None:
         return None
     box = None

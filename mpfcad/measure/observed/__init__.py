@@ -1,11 +1,12 @@
 """Luminance that a meter or a camera measured: read, folded over the lamps, judged as a trace."""
 
+from mpfcad.measure.observed.askew import askew_words, spots_askew_words
 from mpfcad.measure.observed.cell import ObservedCell, observe_cell
 from mpfcad.measure.observed.curve import ObservedCurve, read_curve
 from mpfcad.measure.observed.image import LuminanceImage, Photo, read_image
-from mpfcad.measure.observed.lamp import find_pitch
+from mpfcad.measure.observed.lamp import check_pitch, find_pitch
 from mpfcad.measure.observed.pitch import ObservedPitch, observe_pitch
-from mpfcad.measure.observed.stripe import askew_words, curve_of_image
+from mpfcad.measure.observed.stripe import curve_of_image
 
 __all__ = [
     "LuminanceImage",
@@ -14,10 +15,12 @@ __all__ = [
     "ObservedPitch",
     "Photo",
     "askew_words",
+    "check_pitch",
     "curve_of_image",
     "find_pitch",
     "observe_cell",
     "observe_pitch",
     "read_curve",
     "read_image",
+    "spots_askew_words",
 ]

@@ -13,6 +13,8 @@ from mpfcad.measure.observed.lamp import find_phase
 
 #: Terms along each axis: the mean and six harmonics.
 _TERMS = 13
+#: Share of the variance in cells that their mean must have; an amplitude too faint to tell.
+_ALIKE, _FAINT = 0.5, 1e-3
 #: Bins of the map that is shown, a side.
 BINS = 32
 
@@ -51,7 +53,8 @@ def observe_cell(image: LuminanceImage, size: tuple[float, float], seed: int = 1
     Raises
     ------
     InputError
-        when the image holds fewer than four whole cells, or pixels too coarse for them.
+        when the image holds fewer than four whole cells, pixels too coarse for them, or what varies
+        within its cells is not the same in each.
     """
     start = [
         find_phase(*curve, period) - period / 2
@@ -73,9 +76,30 @@ def observe_cell(image: LuminanceImage, size: tuple[float, float], seed: int = 1
             coefficients.append(_coefficients(part, u, v))
             shown += _binned(part, u, v) / (count[0] * count[1])
     found = np.array(coefficients)
+    alike = _alike(found)
+    if alike < _ALIKE:
+        raise InputError(
+            f"{image.reading}: the mean of {len(found)} cells of {size[0]:.4g} × {size[1]:.4g} mm "
+            f"has {alike:.0%} of the variation in them: expected half or more: --cell-mm, "
+            "--rotation-deg"
+        )
     covariance = _covariance(found)
     series = fit_series(found.mean(axis=0), covariance, len(found), _TERMS, False)
     return ObservedCell(size, series, series.contrast(seed), shown, len(found))
+
+
+def _alike(found: NDArray[np.float64]) -> float:
+    """Return the mean cell's share of the variance in cells, of two harmonics (cells, 13 · 13).
+
+    What noise adds is told by the harmonics beyond; where there is little else it is 1.
+    """
+    waves = found.reshape(len(found), _TERMS, _TERMS)
+    noise = float(np.median(waves[:, 7:, 7:] ** 2)) / 0.455
+    low = waves[:, :5, :5].reshape(len(found), -1)[:, 1:]
+    within = float(np.mean(np.sum(low**2, axis=1))) - low.shape[1] * noise
+    mean = float(np.sum(low.mean(axis=0) ** 2)) - low.shape[1] * noise / len(found)
+    certain = low.shape[1] * noise + (_FAINT * found[:, 0].mean()) ** 2
+    return 1.0 if within < certain else mean / within
 
 
 def means_of_sides(

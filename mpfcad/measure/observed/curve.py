@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film.stylus.file.text import read_table
 from mpfcad.film.stylus.file.unit import UNITS, find_unit
+from mpfcad.measure.observed.unit import strange_luminance
 
 _FEWEST = 16
 
@@ -56,13 +57,11 @@ def read_curve(path: Path, unit: str | None = None) -> ObservedCurve:
             f"{path}: column 3 ({table.names[2] or 'unnamed'}): could be a second luminance or its "
             "standard error: expected a name with 'error'"
         )
-    name = table.names[0].replace("_", " ")
-    stated = unit or find_unit(name)
-    if stated is None:
-        raise InputError(
-            f"{path}: column 1 ({name or 'unnamed'}): no unit of position: expected mm, µm … in "
-            "its name, or --unit"
-        )
+    stated = _position_unit(path, table.names[0].replace("_", " "), unit)
+    for number, name in enumerate(table.names[1:], 2):
+        strange = strange_luminance(name)
+        if strange is not None:
+            raise InputError(f"{path}: column {number} ({name}): {strange!r}: expected cd/m²")
     kept = np.isfinite(table.values).all(axis=1)
     values = table.values[kept]
     values = values[np.argsort(values[:, 0], kind="stable")]
@@ -78,10 +77,26 @@ def read_curve(path: Path, unit: str | None = None) -> ObservedCurve:
     if np.any(error < 0):
         raise InputError(f"{path}: standard error {error.min():g}: expected 0 or more")
     words = [f"{count} columns", stated, *table.words, f"{len(x):,} points"]
+    if not kept.all():
+        words.append(f"{np.count_nonzero(~kept):,} rows without a number left out")
     words.append(
         "errors stated" if count == 3 else f"noise {error[0]:.3g} cd/m² by its differences"
     )
     return ObservedCurve(x, luminance, error, f"read {path.name}: {', '.join(words)}")
+
+
+def _position_unit(path: Path, name: str, unit: str | None) -> str:
+    """Return the unit of positions, stated by the column's name or by the user, not by both."""
+    written = find_unit(name)
+    found = unit or written
+    if found is None:
+        raise InputError(
+            f"{path}: column 1 ({name or 'unnamed'}): no unit of position: expected mm, µm … in "
+            "its name, or --unit"
+        )
+    if written not in (None, found):
+        raise InputError(f"{path}: column 1 ({name}): {written}: expected {found}, as --unit says")
+    return found
 
 
 def noise_of(value: NDArray[np.float64]) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.stylus.file.text import read_table
+from mpfcad.measure.observed.clip import clipped
 
 IMAGES = frozenset({".tif", ".tiff", ".fits", ".fit", ".fts", ".exr"})
 _FEWEST = 16
@@ -30,7 +31,7 @@ class Photo:
     crop
         (left, top, right, bottom) in pixels, right and bottom excluded
     rotation
-        [rad], counter-clockwise, from the image's x to across the lamps
+        [rad], -π … π, counter-clockwise, from the image's x to across the lamps
     """
 
     pixel: float
@@ -48,15 +49,18 @@ class LuminanceImage:
     Attributes
     ----------
     straight
-        (rows, columns) float64 [cd/m²], as it was taken
+        (rows, columns) float64 [cd/m²], as it was taken, or turned by right angles
     rotation
-        [rad], counter-clockwise, from its x to across the lamps
+        [rad], -π/4 … π/4, counter-clockwise, from its x to across the lamps
+    quarters
+        right angles by which it was turned before, without resampling
     """
 
     straight: NDArray[np.float64]
     pixel: float
     reading: str
     rotation: float = 0.0
+    quarters: int = 0
 
     @cached_property
     def luminance(self) -> NDArray[np.float64]:
@@ -81,12 +85,12 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
     """
     counts, top = _read_counts(path)
     words = [f"{counts.shape[1]} × {counts.shape[0]} pixels of {photo.pixel:g} mm"]
-    full = counts >= top if top is not None else np.zeros(counts.shape, bool)
+    raw = counts
     dark = 0.0 if photo.dark is None else _read_counts(photo.dark)[0]
     for name, file in (("dark", photo.dark), ("flat", photo.flat)):
         if file is None:
             continue
-        frame, _ = _read_counts(file)
+        frame, most = _read_counts(file)
         if frame.shape != counts.shape:
             raise InputError(
                 f"{file}: --{name}: {frame.shape[1]} × {frame.shape[0]} pixels: expected "
@@ -95,6 +99,8 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
         if name == "dark":
             counts = counts - frame
         else:
+            if np.ptp(frame) > 0 or frame.max() == most:
+                _refuse_clipped(f"{file}: --flat", frame, most)
             frame = frame - dark
             if np.any(frame <= 0):
                 raise InputError(f"{file}: --flat: {frame.min():g} counts: expected above 0")
@@ -106,12 +112,8 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
         if not (0 <= left < right <= columns and 0 <= top_row < bottom <= rows):
             raise InputError(f"--crop: {photo.crop}: expected within {columns} × {rows} pixels")
         counts = counts[top_row:bottom, left:right]
-        full = full[top_row:bottom, left:right]
-    if np.any(full):
-        raise InputError(
-            f"{path}: {np.count_nonzero(full):,} pixels at full scale: expected none saturated: "
-            "expose less, or --crop"
-        )
+        raw = raw[top_row:bottom, left:right]
+    _refuse_clipped(str(path), raw, top)
     if photo.rotation:
         words.append(f"turned by {np.degrees(photo.rotation):g}°")
     if min(counts.shape) < _FEWEST or not np.all(np.isfinite(counts)) or counts.mean() <= 0:
@@ -121,7 +123,21 @@ def read_image(path: Path, photo: Photo) -> LuminanceImage:
         )
     words.append(f"{photo.scale:g} cd/m² a count")
     reading = f"read {path.name}: {', '.join(words)}"
-    return LuminanceImage(counts * photo.scale, photo.pixel, reading, photo.rotation)
+    quarters = round(photo.rotation / (np.pi / 2))
+    rest = photo.rotation - quarters * np.pi / 2
+    straight = np.rot90(counts * photo.scale, -quarters)
+    return LuminanceImage(straight, photo.pixel, reading, rest, quarters)
+
+
+def _refuse_clipped(name: str, counts: NDArray[np.float64], top: float | None) -> None:
+    """Refuse pixels at the full scale of their type, or piled up at the highest count."""
+    full = 0 if top is None else int(np.count_nonzero(counts >= top))
+    number = full or clipped(counts)
+    if number:
+        where = "at full scale" if full else f"clipped at the highest count, {counts.max():g}"
+        raise InputError(
+            f"{name}: {number:,} pixels {where}: expected none saturated: expose less, or --crop"
+        )
 
 
 def _read_counts(path: Path) -> tuple[NDArray[np.float64], float | None]:

@@ -11,28 +11,68 @@ _SHOWN = 0.5
 _AS_GOOD = 0.97
 _HARMONICS = 3
 _TRIED = 600
+#: Periods that a curve must hold for its pitch to be found; 3, less what a rim may cost.
+_PERIODS = 2.9
+#: A period is shown clearly where it explains this share; periods alike within this share.
+_CLEAR, _ALIKE = 0.8, 0.03
 
 
-def find_pitch(name: str, position: NDArray[np.float64], luminance: NDArray[np.float64]) -> float:
-    """Return the period [mm] of a curve (n,) that shows the lamps at least twice.
+def find_pitch(
+    name: str, position: NDArray[np.float64], luminance: NDArray[np.float64],
+    option: str = "--pitch-mm",
+) -> float:  # fmt: skip
+    """Return the period [mm] of a curve (n,) that shows the lamps three times or more.
 
     The shortest period is taken of which three harmonics explain nearly as much as of any.
 
     Raises
     ------
     InputError
-        when no period explains half of what a slow trend leaves.
+        when no period explains half of what a slow trend leaves, or the curve is too short to tell.
     """
+    found, share = _best(position, luminance)
+    if share < _SHOWN:
+        raise InputError(
+            f"{name}: no lamp pitch seen: the best period, {found:.4g} mm, explains "
+            f"{share:.0%} of its variation: expected {option}"
+        )
+    length = float(np.ptp(position))
+    if length < _PERIODS * found:
+        raise InputError(
+            f"{name}: {length:.4g} mm, too short to find the lamp pitch, the best period being "
+            f"{found:.4g} mm: expected three pitches or more: give {option}"
+        )
+    return found
+
+
+def check_pitch(
+    name: str, position: NDArray[np.float64], luminance: NDArray[np.float64], stated: float,
+    option: str = "--pitch-mm",
+) -> None:  # fmt: skip
+    """Refuse a stated period [mm] that a curve (n,) contradicts by showing another clearly.
+
+    A multiple of the period that is seen is no contradiction.
+    """
+    own = _explained(position, luminance, stated)[0]
+    if own >= _CLEAR / 2 or stated > float(np.ptp(position)):
+        return
+    found, share = _best(position, luminance)
+    times = max(1, round(stated / found))
+    if share < _CLEAR or own >= share / 2 or abs(stated / (times * found) - 1) < _ALIKE:
+        return
+    raise InputError(
+        f"{name}: {option} {stated:.5g}: that period explains {own:.0%} of the variation, "
+        f"{found:.5g} mm explains {share:.0%}: expected the period that the file shows"
+    )
+
+
+def _best(position: NDArray[np.float64], luminance: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the shortest period [mm] that explains nearly as much as any, and the best's share."""
     length = float(np.ptp(position))
     step = float(np.median(np.diff(position)))
     tried = np.geomspace(max(8 * step, length / 60), length / 1.9, _TRIED)
     shares = np.array([_explained(position, luminance, p)[0] for p in tried])
     best = int(np.argmax(shares))
-    if shares[best] < _SHOWN:
-        raise InputError(
-            f"{name}: no lamp pitch seen: the best period, {tried[best]:.4g} mm, explains "
-            f"{shares[best]:.0%} of its variation: expected --pitch-mm"
-        )
     peaks = np.flatnonzero(
         (shares >= _AS_GOOD * shares[best])
         & (shares >= np.roll(shares, 1))
@@ -40,7 +80,8 @@ def find_pitch(name: str, position: NDArray[np.float64], luminance: NDArray[np.f
     )
     first = int(peaks[0]) if len(peaks) else best
     near = np.linspace(tried[max(first - 1, 0)], tried[min(first + 1, _TRIED - 1)], 101)
-    return float(near[np.argmax([_explained(position, luminance, p)[0] for p in near])])
+    found = float(near[np.argmax([_explained(position, luminance, p)[0] for p in near])])
+    return found, float(shares[best])
 
 
 def find_phase(

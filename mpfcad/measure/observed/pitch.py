@@ -78,6 +78,11 @@ def observe_pitch(
     inside = (x >= start - 1e-9) & (x < start + count * pitch - 1e-9)
     fold = ((x[inside] - start) / pitch) % 1
     fit = _folded(fold, observed.luminance[inside], observed.error[inside])
+    if not value.min() <= fit.mean.value <= value.max():
+        raise InputError(
+            f"{observed.reading}: mean luminance {fit.mean.value:.5g} cd/m2 of points from "
+            f"{value.min():.5g} to {value.max():.5g}: expected one that varies, with noise"
+        )
     nine = np.linspace(0, len(position) - 1, 9).astype(int)
     return ObservedPitch(
         pitch, lamp, curve, fit, contrast_of_curve(curve, seed),
@@ -94,10 +99,17 @@ def _points(
     total = count * STEPS
     number = np.round(place).astype(int)
     inside = (number >= 0) & (number <= total)
-    if np.count_nonzero(inside) < _FEWEST_A_PITCH * count:
+    fewest = int(np.bincount(np.minimum(number[inside] // STEPS, count - 1), minlength=count).min())
+    if fewest < _FEWEST_A_PITCH:
         raise InputError(
-            f"{observed.reading}: {np.count_nonzero(inside) / count:.1f} points a lamp pitch of "
-            f"{pitch:.4g} mm: expected {_FEWEST_A_PITCH} or more"
+            f"{observed.reading}: {fewest} points in a lamp pitch of {pitch:.4g} mm: expected "
+            f"{_FEWEST_A_PITCH} or more in each"
+        )
+    gap = float(np.diff(observed.position[inside]).max())
+    if gap > pitch / 4:
+        raise InputError(
+            f"{observed.reading}: no point over {gap:.4g} mm: expected gaps of a quarter of the "
+            f"lamp pitch, {pitch:.4g} mm, at most"
         )
     number, weight = number[inside], 1 / np.maximum(observed.error[inside], 1e-12) ** 2
     share = np.bincount(number, weight, total + 1)

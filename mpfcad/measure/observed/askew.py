@@ -1,0 +1,155 @@
+"""Whether stripes, or a lattice of spots, run askew in an image after its stated rotation."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from mpfcad.errors import InputError
+from mpfcad.measure.observed.curve import ObservedCurve
+from mpfcad.measure.observed.image import LuminanceImage
+from mpfcad.measure.observed.stripe import curve_of_image, means_across
+
+#: Angles [rad] to each side that are tried, their step, and how often the step is halved.
+_MOST, _STEP, _FINER = math.radians(12.0), math.radians(0.25), 5
+#: Pixels that are looked at for the angle.
+_SAMPLE = 200_000
+#: A mean over rows that are askew loses contrast: said from a thousandth, refused from 2 %.
+_SAID, _REFUSED = 1e-3, 0.02
+#: Standard deviations of noise that a gain of variance must exceed.
+_CERTAIN = 5.0
+#: Blocks along an image's longer side whose spectrum is taken; power of a wave that is not across
+#: over that of any across, or of noise.
+_SPECTRUM, _STEEP = 256, 10.0
+
+
+def askew_words(path: Path, image: LuminanceImage, curve: ObservedCurve) -> str:
+    """Return what is to be said of stripes that run askew; "" where they run down the columns.
+
+    Raises
+    ------
+    InputError
+        when so much contrast is lost that the mean over the rows does not show it.
+    """
+    steep = steepness(image)
+    if steep is not None:
+        words = f"{_words(image, 'stripes', steep)} which leaves none across"
+        raise InputError(f"{path}: {words}: {_mend(image, steep)}")
+    return _said(path, image, askew(image, curve), "stripes")
+
+
+def spots_askew_words(path: Path, image: LuminanceImage) -> str:
+    """Return what is to be said of a lattice of spots that is turned; "" where it is upright.
+
+    Its columns and its rows are looked at as stripes are.
+
+    Raises
+    ------
+    InputError
+        when so much contrast is lost that the mean cell does not show it.
+    """
+    upright = replace(image, straight=image.luminance, rotation=0.0)
+    lying = replace(upright, straight=upright.straight.T)
+    columns, rows = (askew(each, curve_of_image(each)) for each in (upright, lying))
+    turned = [columns, None if rows is None else (-rows[0], rows[1])]
+    worst = max((each for each in turned if each is not None), key=lambda e: e[1], default=None)
+    return _said(path, image, worst, "rows of spots")
+
+
+def _said(path: Path, image: LuminanceImage, off: tuple[float, float] | None, what: str) -> str:
+    if off is None:
+        return ""
+    angle, loss = off
+    hidden = f"which hides {loss:.1%} of the contrast"
+    words = f"{_words(image, what, angle)} {hidden}: {_mend(image, angle)}"
+    if loss > _REFUSED:
+        raise InputError(f"{path}: {words}")
+    return words
+
+
+def _words(image: LuminanceImage, what: str, angle: float) -> str:
+    turned = math.degrees(image.rotation) + 90 * image.quarters
+    after = f" after --rotation-deg {turned:g}" if turned else ""
+    return f"the {what} run {math.degrees(angle):+.2f}° askew{after},"
+
+
+def _mend(image: LuminanceImage, angle: float) -> str:
+    """Return the rotation that sets them right, within half a turn."""
+    turn = math.degrees(image.rotation + angle) + 90 * image.quarters
+    return f"expected --rotation-deg {(turn + 90) % 180 - 90:.2f}"
+
+
+def steepness(image: LuminanceImage) -> float | None:
+    """Return by what angle [rad] stripes are askew beyond what `askew` tries; None where not.
+
+    It is that of the strongest wave of the image's spectrum, where waves across are far weaker.
+    """
+    light = image.straight
+    rows, columns = light.shape
+    part = max(1, round(max(light.shape) / _SPECTRUM))
+    light = light[: rows // part * part, : columns // part * part]
+    light = light.reshape(rows // part, part, columns // part, part).mean(axis=(1, 3))
+    rows, columns = light.shape
+    y, x = (grid.ravel() for grid in np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j])
+    trend = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    flat = light.ravel() - trend @ np.linalg.lstsq(trend, light.ravel(), rcond=None)[0]
+    window = np.hanning(rows)[:, None] * np.hanning(columns)[None]
+    power = np.abs(np.fft.rfft2(flat.reshape(rows, columns) * window)) ** 2
+    v, u = np.fft.fftfreq(rows)[:, None], np.fft.rfftfreq(columns)[None]
+    # Fewer than two waves over the image are a trend.
+    power[np.hypot(u * columns, v * rows) < 2] = 0
+    angle = np.arctan2(-v, u) - image.rotation
+    angle = (angle + np.pi / 2) % np.pi - np.pi / 2
+    # A window blurs by a bin or two: across is what lies within the angles tried, or beside them.
+    off = np.abs(np.hypot(u * columns, v * rows) * np.sin(angle)) > 2
+    steep = (np.abs(angle) > _MOST) & off
+    at = np.unravel_index(np.argmax(np.where(steep, power, 0)), power.shape)
+    most, across = float(power[at]), float(np.max(np.where(steep, 0, power)))
+    if most < _STEEP * max(across, 2 * float(power.mean())):
+        return None
+    return float(angle[at])
+
+
+def askew(image: LuminanceImage, curve: ObservedCurve) -> tuple[float, float] | None:
+    """Return by what angle [rad] the stripes are askew still, and the share of contrast it hides.
+
+    The angle is that at which the means across vary most, beyond what noise may do; None without.
+    """
+    part = max(1, round(math.sqrt(image.straight.size / _SAMPLE)))
+    steepest, width = _MOST + abs(image.rotation), image.straight.shape[1]
+    # So few rows that six tenths of the width are seen at every angle.
+    most = int(width * min(1.0, (math.cos(steepest) - 0.3) / math.sin(steepest)))
+    rows = min(len(image.straight), most) // part * part
+    first = (len(image.straight) - rows) // 2
+    # Means of a few rows keep what a step of rows would throw away of the noise.
+    seen = image.straight[first : first + rows].reshape(-1, part, image.straight.shape[1])
+    seen = seen.mean(axis=1)
+    noise = float(np.mean(curve.error**2))
+    half = (width * math.cos(steepest) - rows * math.sin(steepest)) / 2 * image.pixel
+    if half <= 0:
+        return None
+
+    def variance(angle: float) -> float:
+        turn = image.rotation + angle
+        position, mean, _ = means_across(seen, image.pixel, turn, float(part))
+        centre = (width * math.cos(turn) - rows * math.sin(turn)) / 2 * image.pixel
+        # The same stretch about the middle at every angle.
+        near = np.abs(position - centre) <= half
+        position, mean = position[near], mean[near]
+        return float(np.var(mean - np.polyval(np.polyfit(position, mean, 2), position))) - noise
+
+    here, step = variance(0.0), _STEP
+    tried = np.arange(-_MOST, _MOST + step / 2, step)
+    best = float(max(tried, key=variance))
+    for _ in range(_FINER):
+        step /= 2
+        best = float(max((best - step, best, best + step), key=variance))
+    top = variance(best)
+    by_chance = noise * math.sqrt(2 / len(curve.position)) + 2 * math.sqrt(
+        noise * max(top, 0.0) / len(curve.position)
+    )
+    if top - here < _CERTAIN * by_chance:
+        return None
+    loss = 1 - math.sqrt(max(here, 0.0) / top)
+    return (best, loss) if loss > _SAID else None
