@@ -13,6 +13,7 @@ from page import NAMED, PAGES, blocks, write_files
 from mpfcad.backlight import read_stack
 from mpfcad.cli.app import app
 from mpfcad.job import read_job
+from mpfcad.job.fit import read_fit
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
 STACK_KEYS = {"extends", "title", "layers", "value", "source", "reflector"}
@@ -26,7 +27,7 @@ def of_language(*languages):
 def test_commands_are_those_of_the_program(page):
     group = typer.main.get_command(app)
     for _, text in blocks(page):
-        for line in re.findall(r"^ *mpfcad .*$", text, re.MULTILINE):
+        for line in re.findall(r"^ *mpfcad .*$", text.replace("\\\n", " "), re.MULTILINE):
             _, name, *arguments = shlex.split(line, comments=True)
             group.commands[name].make_context(name, arguments)
 
@@ -38,7 +39,11 @@ def test_files_are_read_as_jobs_and_stacks(page, tmp_path):
         if language != "toml":
             continue
         document, named = tomllib.loads(textwrap.dedent(text)), NAMED.match(text)
-        if "name" in document:
+        if "measurement" in document:
+            path = tmp_path / (named[1] if named else "fit.toml")
+            path.write_text(text, "utf-8")
+            assert read_fit(path).name == document["name"]
+        elif "name" in document:
             assert read_job(tmp_path / named[1]).name == document["name"]
         elif named:
             read_stack(tmp_path / named[1])
