@@ -5,6 +5,8 @@ import pytest
 import tifffile
 
 from mpfcad.cli import run_app
+from mpfcad.errors import InputError
+from mpfcad.measure.observed import find_pitch
 
 PITCH, SIDE = 32.69, 160
 IMAGE = ["--pixel-mm", "1"]
@@ -100,6 +102,14 @@ def test_a_mean_outside_the_points_is_refused(capsys):
 @pytest.mark.parametrize("length", [36.0, 42.0, 50.0, 64.0, 80.0])
 def test_a_short_curve_needs_its_pitch(capsys, length):
     assert "give --pitch-mm" in refused(capsys, curve(length))
+
+
+def test_half_a_pitch_of_a_short_curve_is_not_found():
+    """Two harmonics over 1.5 pitches: half a pitch, held 3.1 times, explains much of them."""
+    x, phase = np.arange(0.0, 50.0), 2 * np.pi * (np.arange(0.0, 50.0) - 12) / PITCH
+    wave = 6000 * (1 + 0.01 * np.cos(phase) + 0.006 * np.cos(2 * phase + 1))
+    with pytest.raises(InputError, match="too short to find the lamp pitch"):
+        find_pitch("l", x, wave + np.random.default_rng(50).normal(0, 6, 50) + 2 * x)
 
 
 def test_a_stated_pitch_that_the_curve_contradicts_is_refused(capsys):

@@ -15,6 +15,8 @@ _TRIED = 600
 _PERIODS = 2.9
 #: A period is shown clearly where it explains this share; periods alike within this share.
 _CLEAR, _ALIKE = 0.8, 0.03
+#: A share that leaves no room for another period.
+_SURE = 0.995
 
 
 def find_pitch(
@@ -37,7 +39,10 @@ def find_pitch(
             f"{share:.0%} of its variation: expected {option}"
         )
     length = float(np.ptp(position))
-    if length < _PERIODS * found:
+    doubled = _explained(position, luminance, 2 * found)[0]
+    # Of a curve that holds it hardly twice, half the pitch explains much; the pitch, far more.
+    halved = share < _SURE and length < 4 * found and 1 - doubled < (1 - share) / 2
+    if halved or length < _PERIODS * found:
         raise InputError(
             f"{name}: {length:.4g} mm, too short to find the lamp pitch, the best period being "
             f"{found:.4g} mm: expected three pitches or more: give {option}"

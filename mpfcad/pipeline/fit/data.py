@@ -21,7 +21,14 @@ from mpfcad.fit.reading import (
     luminance,
 )
 from mpfcad.job.fit import Fit, MeasurementTable, PredictTable
-from mpfcad.measure.observed import Photo, curve_of_image, observe_pitch, read_curve, read_image
+from mpfcad.measure.observed import (
+    Photo,
+    askew_words,
+    curve_of_image,
+    observe_pitch,
+    read_curve,
+    read_image,
+)
 from mpfcad.measure.observed.image import is_image
 
 #: Cosines of a measured curve that are compared.
@@ -92,7 +99,9 @@ def _curve(
             table.pixel_mm, table.cd_m2_per_count, frames[0], frames[1],
             table.crop, float(np.radians(table.rotation_deg)),
         )  # fmt: skip
-        curve = curve_of_image(read_image(path, photo))
+        image = read_image(path, photo)
+        curve = curve_of_image(image)
+        notes += filter(None, [askew_words(path, image, curve)])
     else:
         curve = read_curve(path, table.unit)
     seen = observe_pitch(curve, table.pitch_mm or pitch, table.lamp_at_mm)
