@@ -10,6 +10,8 @@ from mpfcad.fit import Datum, Figured, Found, Unknowns
 from mpfcad.measure import reach
 
 FIT_SCHEMA = 1
+#: A χ² less probable than this: the measurements contradict each other.
+CONTRADICTS = 0.01
 #: A combination of values is held when its width falls below this share of the prior's.
 _HELD = 0.7
 _PARTS = 4
@@ -34,6 +36,7 @@ def describe_fit(name: str, fitted: Fitted) -> dict[str, Any]:
     unit = unknowns.unit(posterior.steps)
     data = [row for number in range(len(fitted.data)) for row in _datum(fitted, number)]
     freedom = posterior.freedom - int(np.count_nonzero(unknowns.is_free))
+    probability = float(chdtrc(freedom, posterior.chi2)) if freedom > 0 else None
     return {
         "schema": FIT_SCHEMA,
         "name": name,
@@ -46,7 +49,8 @@ def describe_fit(name: str, fitted: Fitted) -> dict[str, Any]:
         "mostly_traces": sum(row["share_of_trace_noise"] > 0.5 for row in data),
         "chi2": posterior.chi2,
         "degrees_of_freedom": freedom,
-        "probability": float(chdtrc(freedom, posterior.chi2)) if freedom > 0 else None,
+        "probability": probability,
+        "contradicts": probability is not None and probability < CONTRADICTS,
         "combinations": _combinations(fitted),
         **_predictions(fitted),
         "measure_next": fitted.advice,

@@ -14,6 +14,7 @@ from mpfcad.pipeline import FitSetting, fit_backlight
 from mpfcad.pipeline.fit.case import build_cases, read_backlight
 from mpfcad.pipeline.fit.data import read_data
 from mpfcad.pipeline.fit.sought import find_unknowns
+from mpfcad.pipeline.fit.stack_file import stack_text
 
 SMALL = """
 name = "small"
@@ -210,3 +211,24 @@ def test_a_backlight_is_fitted_and_the_same_again(tmp_path, monkeypatch):
         assert matrix[i, i] == pytest.approx(rows[name]["sigma"] ** 2)
     assert json.loads((folder / "fit.json").read_text())["name"] == "small"
     assert "top_sheet_sigma" in (folder / "fit.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("contradicts", "settled", "says"),
+    [
+        (False, True, "0.4 ± 0.01"),
+        (True, True, "0.4 ± 0.01; its measurements contradict each other"),
+        (False, False, "0.4 ± 0.01; not settled"),
+    ],
+)
+def test_the_stack_says_that_its_fit_does_not_hold(tmp_path, contradicts, settled, says):
+    path = written(tmp_path)
+    record = {
+        "values": [{"name": "top_sheet_sigma", "value": 0.4, "sigma": 0.01}],
+        "contradicts": contradicts,
+        "settled": settled,
+    }
+    stack = read_stack("thesis-32in-mpf")
+    text = stack_text(read_fit(path), path, stack, record, tmp_path)
+    (tmp_path / "fitted.toml").write_text(text, "utf-8")
+    assert read_stack(tmp_path / "fitted.toml").quantity["top_sheet_sigma"].source.endswith(says)

@@ -28,9 +28,10 @@ def command(
     setting = FitSetting(None if effort is None else effort.value, threads)
     with Terminal() as terminal:
         record = fit_backlight(fit, fit_file, folder, setting, terminal)
+    code = 1 if record["contradicts"] else 0
     if json:
         print_json(record)
-        return 0
+        return code
     for row in record["values"]:
         prior = "no prior"
         if row["left"] is not None:
@@ -40,8 +41,9 @@ def command(
     if record["probability"] is not None:
         of = f"{record['chi2']:.1f} of {record['degrees_of_freedom']}"
         print(f"measurements and priors: chi2 {of}, probability {record['probability']:.2g}")
-        if record["probability"] < 0.01:
-            print("they contradict each other: see the residuals in fit.html")
+        if record["contradicts"]:
+            print("they contradict each other, and the widths do not hold: see the residuals in "
+                  "fit.html")  # fmt: skip
     if not record["settled"]:
         print(f"not settled: the last round moved the values by {record['rounds'][-1]:.2f} of "
               "their widths")  # fmt: skip
@@ -56,4 +58,4 @@ def command(
     print(f"in a job: stack.file = {folder / f'{fit.name}.toml'}, confidence.covariance = "
           f"{folder / 'covariance.csv'}")  # fmt: skip
     print(folder / "fit.html")
-    return 0
+    return code

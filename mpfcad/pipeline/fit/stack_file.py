@@ -31,13 +31,15 @@ def stack_text(fit: Fit, file: Path, stack: Stack, record: dict[str, Any], folde
             value[name] = {
                 "value": entry.value, **width, "tag": entry.tag, "source": entry.source
             }  # fmt: skip
+    doubt = "; its measurements contradict each other" if record["contradicts"] else ""
+    doubt += "" if record["settled"] else "; not settled"
     for row in record["values"]:
         value[row["name"]] = {
             "value": row["value"],
             # It changes no contrast, so no confidence asks for its width.
             **({} if row["name"] == LUMINANCE else {"sigma": row["sigma"]}),
             "tag": "given",
-            "source": f"mpfcad fit {fit.name}: {row['value']:.5g} ± {row['sigma']:.2g}",
+            "source": f"mpfcad fit {fit.name}: {row['value']:.5g} ± {row['sigma']:.2g}{doubt}",
         }
     document = {"extends": extends, "title": f"{stack.title}; fitted: {fit.name}", "value": value}
     return tomli_w.dumps(document)
