@@ -40,12 +40,13 @@ def print_proposals(job_file: Path, json: bool) -> int:
     least = min(row["wet_volume_cm3_m2"] for row in rows)
     for row in rows:
         _print_row(row, least)
-    print("margin: least figure over its limit, 1 is just printable; * volume computed")
+    print("margin: least figure over its limit, 1 is just printable, 3 counts as enough")
+    print("order: margin; of the same, sourced volumes before computed ones (*); then cost")
     print("cost: wet resin laid down, of the least; prices of meshes are not known")
     if any(dilution(job, row) for row in found):
         own = job.process.solids_fraction
         print(f"solids: what the resin has to be diluted to; the job's has {own:.0%}")
-    print("\nThe first of them, in the job:\n")
+    print("\nThe first of them, instead of these keys in the job:\n")
     print("\n".join(rows[0]["job_lines"]))
     if rows[0]["command"]:
         print(f"\nor its mask at once:\n\n{rows[0]['command']}")

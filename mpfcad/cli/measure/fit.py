@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Json, Out, Threads, TraceEffort
+from mpfcad.cli.option import Json, Threads, TraceEffort
 
 
 def command(
@@ -14,7 +14,12 @@ def command(
     ],
     effort: TraceEffort = None,
     threads: Threads = None,
-    out: Out = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Folder of the results [default: exports/NAME-fit]."
+        ),
+    ] = None,
     json: Json = False,
 ) -> int:
     """Find the backlight that measurements hold, and what to measure next; resumes."""

@@ -176,14 +176,12 @@ def _judged(
     figures = {
         "ratio_min": low / max(gates.ratio_min, 1e-9),
         "ratio_max": (1 - high) / max(1 - gates.ratio_max, 1e-9),
-        "ripple_per_mm": min(ENOUGH, gates.ripple_curvature_per_mm / max(ripple, 1e-12)),
-        "ripple_luminance": min(
-            ENOUGH, gates.ripple_luminance / max(ripple * LUMINANCE_RESPONSE, 1e-12)
-        ),
+        "ripple_per_mm": gates.ripple_curvature_per_mm / max(ripple, 1e-12),
+        "ripple_luminance": gates.ripple_luminance / max(ripple * LUMINANCE_RESPONSE, 1e-12),
         "aperture_um": fit.aperture / limits[0] * (ENOUGH / SPARE),
     }
     weakest = min(figures, key=lambda name: figures[name])
     return Proposal(
         mesh, job.process.solids_fraction, fit.pattern, fit.period, FIRST_ANGLE * deg, low, high,
-        fit.aperture, fit.web, ripple, math.nan, wet, figures[weakest], weakest,
+        fit.aperture, fit.web, ripple, math.nan, wet, min(ENOUGH, figures[weakest]), weakest,
     )  # fmt: skip
