@@ -5,6 +5,7 @@ import pytest
 from mpfcad.errors import InputError
 from mpfcad.job import build_job
 from mpfcad.job.design import Design
+from mpfcad.mask.fabric import find_mesh
 from mpfcad.pipeline.design.aim import design_constraint
 from mpfcad.pipeline.design.screen import with_design_screen
 from mpfcad.pipeline.plan.plan import read_plan
@@ -65,11 +66,12 @@ def test_a_period_that_does_not_level_is_refused(tmp_path):
 def test_a_design_may_leave_the_mesh_to_the_program(tmp_path):
     constraint = {"curvature_min_per_mm": 52.0, "curvature_max_per_mm": 62.0}
     design, job, limits = limits_of(tmp_path, constraint=constraint, mask={"mesh": "auto"})
-    assert job.mask.mesh.threads_per_cm > 40
+    chosen = job.mask.mesh.name
+    assert find_mesh(chosen).count > 0
     assert (limits.curvature_min, limits.curvature_max) == (52.0, 62.0)
     # The job that is written names the mesh that was chosen.
-    assert design.job_document("m.csv")["mask"]["mesh"]["threads_per_cm"] > 40
-    with pytest.raises(InputError, match=r"no mesh of the catalogue prints that .*nearest map"):
+    assert design.job_document("m.csv")["mask"]["mesh"]["name"] == chosen
+    with pytest.raises(InputError, match=r"no mesh of the catalogue prints it .*nearest map"):
         limits_of(tmp_path, mask={"mesh": "auto"})
 
 

@@ -180,7 +180,10 @@ def test_what_a_pattern_cannot_reach_is_refused():
     )
     coarse = MaskRules("blue-noise", 0.05, 0.025, 0.010, levelling_length=0.2)
     assert "groove 1: aperture_ratio" in refused(film_of([50.0, 64.0]), coarse)
-    assert "expected for a map across the grooves only" in refused(field_film(), rules("angled"))
+    words = (
+        "mask.pattern: angled: expected 'slot', 'dot', 'blue-noise' or 'error-diffused' for a map"
+    )
+    assert words in refused(field_film(), rules("angled"))
 
 
 def test_closed_stretches_of_a_field_stay_closed():

@@ -31,7 +31,7 @@ from mpfcad.store import work_key
 POINT = "point"
 _SEARCH = ("goal", "constraint", "search")
 #: Fields of a plan that name files.
-_NAMES = ("job", "input_file", "crossed")
+_NAMES = ("job", "input_file", "crossed", "where")
 _TUBE_AXES = (FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES)
 #: Fields of a point's job that name files beside the sweep.
 _FILES = (
