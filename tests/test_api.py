@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import mpfcad
+from mpfcad.api.fit import FitResult
 from mpfcad.api.result import Export, Measurement, Run, Trace
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
@@ -145,6 +146,10 @@ def test_every_result_prints_in_a_few_lines(run, job, tmp_path):
     assert len(measured) == 9 and "and 34 more" in measured[7]
     assert str(Trace(run.record)).splitlines()[1:] == str(run).splitlines()[1:3]
     assert len(str(Export(run.folder)).splitlines()) == 2
+    value = {"name": "top_sheet_sigma", "value": 0.4, "ci95": [0.3, 0.5]}
+    fitted = FitResult(tmp_path, {"name": "b", "values": [value], "predictions": []})
+    assert str(fitted).splitlines()[1].split(maxsplit=1) == ["top_sheet_sigma", "0.4 [0.3, 0.5]"]
+    assert len(str(fitted).splitlines()) == 3
     assert str(job) == "<Job wave>"
     untraced = run.record | {"lamp_mura_contrast": None, "mean_luminance_cd_m2": None}
     assert "not measured" in str(Run(untraced, run.folder))

@@ -18,7 +18,7 @@ from mpfcad.errors import ExportError
 from mpfcad.export import sha256, write_manifest
 from mpfcad.job import read_job
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
-from mpfcad.pipeline.plan.plan import stored_job
+from mpfcad.pipeline.plan.restored import stored_job
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run import examine as examined
 from mpfcad.pipeline.run import verify

@@ -115,7 +115,7 @@ def test_masks_print_the_map_and_an_export_gives_the_plan_again(tmp_path):
         ]
         assert np.abs(drawn - ratio).max() < 0.01
     write_curvature(plan, tmp_path)
-    from mpfcad.pipeline.plan.plan import restore_plan, stored_job
+    from mpfcad.pipeline.plan.restored import restore_plan, stored_job
 
     again = restore_plan(tmp_path, json.loads(json.dumps(stored_job(plan))))
     for film, same in zip(plan.films, again.films, strict=True):

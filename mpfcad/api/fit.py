@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mpfcad.pipeline import Progress
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FitResult(Export):
     """The fitted backlight.
 
@@ -57,9 +57,11 @@ class FitResult(Export):
             ("value", "other"),
         )  # fmt: skip
 
+    def _lines(self) -> list[tuple[str, object]]:
+        return [*self.values.items(), *self.predictions.items()]
+
     def _repr_html_(self) -> str:
-        rows = [*self.values.items(), *self.predictions.items()]
-        return html_table(str(self.record["name"]), ("value", "fitted [95 %]"), rows)
+        return html_table(str(self.record["name"]), ("value", "fitted [95 %]"), self._lines())
 
 
 class Fit(Sourced["Model"]):

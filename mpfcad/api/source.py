@@ -1,4 +1,4 @@
-"""What a job, a design and a sweep have in common: where they come from, and their name."""
+"""What a job, a design, a sweep and a fit have in common: where they come from, and their name."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ class Sourced(ABC, Generic[Model]):
     @property
     def name(self) -> str:
         """Its name; exports go to a folder of that name unless told otherwise."""
-        model: Any = self.model  # each of the three has one
+        model: Any = self.model  # each of them has one
         return str(model.name)
 
     def __repr__(self) -> str:

@@ -2,9 +2,16 @@
 
 from typing import Any
 
+from mpfcad.backlight.quantity import Quantity
 from mpfcad.backlight.source import TubeSpec
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
+
+
+def quantity_table(entry: Quantity) -> dict[str, Any]:
+    """Return a value as it stands in a stack's file, fit for TOML."""
+    width = {} if entry.sigma is None else {"sigma": entry.sigma}
+    return {"value": entry.value, **width, "tag": entry.tag, "source": entry.source}
 
 
 def stack_tables(stack: Stack) -> dict[str, Any]:
@@ -21,10 +28,7 @@ def stack_tables(stack: Stack) -> dict[str, Any]:
             f"{stack.name}: layers with values of their own, BSDF tables, particles or LEDs: "
             "expected a backlight of named layers over tubes"
         )
-    value = {}
-    for name, entry in stack.quantity.items():
-        width = {} if entry.sigma is None else {"sigma": entry.sigma}
-        value[name] = {"value": entry.value, **width, "tag": entry.tag, "source": entry.source}
+    value = {name: quantity_table(entry) for name, entry in stack.quantity.items()}
     return {
         "title": stack.title, "layers": list(stack.layers), "extent": stack.extent, "value": value,
     }  # fmt: skip

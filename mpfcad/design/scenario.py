@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit
 
 from mpfcad.design.cosine import Constraint, cosine_basis, limits, rounded
 from mpfcad.design.optimum import FLATNESS, SMALLEST, TRUST, Correction
@@ -76,7 +75,14 @@ class Scenarios:
         """Return the share of contrasts within the limit, smoothed by `soft` of the limit."""
         if soft == 0:
             return float(np.mean(contrast <= self.limit))
-        return float(np.mean(expit((self.limit - contrast) / (soft * self.limit))))
+        return float(np.mean(self.within(contrast, soft)))
+
+    def within(self, contrast: NDArray[np.float64], soft: float) -> NDArray[np.float64]:
+        """Return how far contrasts are within the limit, 0 … 1, smoothed by `soft` of the limit."""
+        from scipy.special import expit
+
+        found: NDArray[np.float64] = expit((self.limit - contrast) / (soft * self.limit))
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +214,7 @@ def _step(
 
     assert told.cosine_slope is not None and told.sine_slope is not None  # asked for above
     curve = told.curves(scenarios)
-    near = expit((scenarios.limit - _contrasts(curve)) / (soft * scenarios.limit))
+    near = scenarios.within(_contrasts(curve), soft)
     # Draws far within and far beyond the limit tell nothing of the share.
     tells = (near * (1 - near))[:_DRAWS] + 1e-6
     chosen = np.arange(len(tells))

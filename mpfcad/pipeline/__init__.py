@@ -15,7 +15,8 @@ from mpfcad.pipeline.measure.figures import WHAT, Measuring
 from mpfcad.pipeline.measure.led_case import read_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.plan.need import available_memory, run_need
-from mpfcad.pipeline.plan.plan import Plan, read_plan, restore_plan
+from mpfcad.pipeline.plan.plan import Plan, read_plan
+from mpfcad.pipeline.plan.restored import restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress, Silent
 from mpfcad.pipeline.run.make import CAD_FORMATS, MASK_FORMATS
 from mpfcad.pipeline.run.mask_plan import MaskPlan, read_mask_plan, read_proposals

@@ -32,7 +32,8 @@ from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.judge import Judging
-from mpfcad.pipeline.plan.plan import Plan, restore_plan
+from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.restored import restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.store import Store
 

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tone_process import CALIBRATION, GROOVE
 
 from mpfcad.confidence.response import shrink_each
 from mpfcad.errors import InputError
-from mpfcad.film import Groove, Process, prior_belief, read_process
+from mpfcad.film import Process, prior_belief, read_process
 from mpfcad.job import build_job
 from mpfcad.measure import POINTS, TraceRun, light_film, luminance_over_pitch
 from mpfcad.pipeline.confidence.printed import find_printed
@@ -16,22 +17,6 @@ from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import write_cad
 from mpfcad.report.film.wording import print_sentence
-
-GROOVE = Groove(0.05, 0.025)
-CALIBRATION = """
-schema = 1
-kind = "tone"
-source = "coupons of a test"
-[tone]
-transfer_factor = 0.5
-dead_zone = 0.0
-contrast = 1.0
-gain = 1.0
-deviation = [{0}, 0.0, 0.0, 0.0]
-correlation = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-[screen]
-volume_cm3_m2 = 20.0
-"""
 
 
 def document(**tables):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tone_process import CALIBRATION, GROOVE
 
-from mpfcad.film import Groove
 from mpfcad.job import build_job
 from mpfcad.measure.cell.luminance import CellResult
 from mpfcad.measure.cell.series import CellSeries
@@ -14,21 +14,6 @@ from mpfcad.pipeline.confidence.printed_cell import CellRuns
 from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 
-GROOVE = Groove(0.05, 0.025)
-CALIBRATION = """
-schema = 1
-kind = "tone"
-source = "coupons of a test"
-[tone]
-transfer_factor = 0.5
-dead_zone = 0.0
-contrast = 1.0
-gain = 1.0
-deviation = [{0}, 0.0, 0.0, 0.0]
-correlation = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-[screen]
-volume_cm3_m2 = 20.0
-"""
 ORDER = np.array([[i, k] for i in (0, 1, 3) for k in (0, 1, 3)])
 
 

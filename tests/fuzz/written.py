@@ -140,7 +140,7 @@ def _cad_file(path: Path) -> None:
 
 
 def _record(path: Path) -> None:
-    from mpfcad.pipeline.plan.plan import restore_plan
+    from mpfcad.pipeline.plan.restored import restore_plan
     from mpfcad.pipeline.run.verify import checked_record, read_record
 
     folder = path.with_suffix(".export")
@@ -160,7 +160,8 @@ _CURVATURE = "groove,position_mm,curvature_per_mm\n" + "".join(
 def _records() -> tuple[bytes, ...]:
     from mpfcad.export import canonical_json
     from mpfcad.job import read_job
-    from mpfcad.pipeline.plan.plan import read_plan, stored_job
+    from mpfcad.pipeline.plan.plan import read_plan
+    from mpfcad.pipeline.plan.restored import stored_job
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "job.toml"

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight import Stack, read_stack
+from mpfcad.backlight.written import quantity_table
 from mpfcad.job.fit import Fit
 from mpfcad.pipeline.fit.sought import LUMINANCE
 
@@ -24,13 +25,11 @@ def stack_text(fit: Fit, file: Path, stack: Stack, record: dict[str, Any], folde
     else:
         extends = table.preset or ""
         plain = read_stack(extends)
-    value: dict[str, Any] = {}
-    for name, entry in stack.quantity.items():
-        if entry != plain.quantity.get(name):
-            width = {} if entry.sigma is None else {"sigma": entry.sigma}
-            value[name] = {
-                "value": entry.value, **width, "tag": entry.tag, "source": entry.source
-            }  # fmt: skip
+    value = {
+        name: quantity_table(entry)
+        for name, entry in stack.quantity.items()
+        if entry != plain.quantity.get(name)
+    }
     doubt = "; its measurements contradict each other" if record["contradicts"] else ""
     doubt += "" if record["settled"] else "; not settled"
     for row in record["values"]:

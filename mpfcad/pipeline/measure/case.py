@@ -140,7 +140,7 @@ def _laid(
 def _read_export(folder: Path, stack: str | None, thickness: float | None, alone: bool) -> Case:
     from mpfcad.backlight.stored import restore_stack
     from mpfcad.pipeline.plan.cell import with_crossed
-    from mpfcad.pipeline.plan.plan import restore_plan
+    from mpfcad.pipeline.plan.restored import restore_plan
 
     try:
         manifest = check_manifest(folder)

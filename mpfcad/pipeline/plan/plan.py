@@ -1,16 +1,13 @@
 """From a job to everything that is made of it: the panel film, its CAD piece, process and stack."""
 
-import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack, read_stack
-from mpfcad.backlight.stored import describe_stack, restore_stack
-from mpfcad.errors import ExportError, InputError
+from mpfcad.errors import InputError
 from mpfcad.film import (
     FieldFilm,
     PanelFilm,
@@ -19,7 +16,7 @@ from mpfcad.film import (
     write_curvature_field,
     write_curvature_map,
 )
-from mpfcad.job import Job, build_job
+from mpfcad.job import Job
 from mpfcad.pipeline.plan.cell import (
     crossed_layer,
     even_cells,
@@ -27,9 +24,9 @@ from mpfcad.pipeline.plan.cell import (
     turned_job,
     with_crossed,
 )
-from mpfcad.pipeline.plan.cell_map import read_cell_film_map, restore_cell_film_map
+from mpfcad.pipeline.plan.cell_map import read_cell_film_map
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
-from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film, refuse_window
+from mpfcad.pipeline.plan.field import has_field, read_field_film, refuse_window
 from mpfcad.pipeline.plan.groove_map import read_map
 from mpfcad.pipeline.plan.made import Drawn, read_measured
 from mpfcad.pipeline.plan.named_file import check_job_files
@@ -213,7 +210,7 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
     process = read_job_process(job, calibration, groove, str(job_file))
     process = with_reason(process, reason)
     text = calibration.read_text("utf-8") if calibration else None
-    plan = _build_plan(job, stack, process, panel_map, read_measured(job, job_file), str(job_file))
+    plan = build_plan(job, stack, process, panel_map, read_measured(job, job_file), str(job_file))
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
 
 
@@ -231,80 +228,7 @@ def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
         )
 
 
-def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
-    """Return the plan of an export from its own files alone.
-
-    Parameters
-    ----------
-    folder
-        the export
-    document
-        `job` of its verification.json
-
-    Raises
-    ------
-    ExportError
-        when this version of mpfcad reads the stored job otherwise than it was meant.
-    """
-    where = str(folder / "verification.json")
-    job = build_job(document["given"], where)
-    if job.document() != document["resolved"]:
-        raise ExportError(f"{where}: job: its defaults differ in this version of mpfcad")
-    groove = job.film.groove
-    text = document["calibration"]
-    process = restore_process(job, text, where)
-    stack = restore_stack(document["stack"])
-    measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
-    panel_map: PanelMap
-    if stack.period.along > 0 and job.film.cell == "groove":
-        panel_map = restore_cell_film_map(job, folder, stack)
-    elif (folder / FIELD_FILE).is_file():
-        count = groove_count(stack.panel_width, groove.pitch)
-        panel_map = FieldMap(read_field_film(job, folder / FIELD_FILE, str(folder), count, stack))
-    else:
-        panel_map = GrooveMap(read_curvature(folder))
-    plan = _build_plan(job, stack, process, panel_map, measured, str(folder))
-    return replace(plan, calibration=text)
-
-
-def stored_job(plan: Plan) -> dict[str, Any]:
-    """Return what `restore_plan` needs besides an export's own files."""
-    return describe_job(plan.job, plan.stack, plan.calibration, plan.measured)
-
-
-def describe_job(
-    job: Job,
-    stack: Stack,
-    calibration: str | None,
-    measured: NDArray[np.float64] | None = None,
-) -> dict[str, Any]:
-    """Return a job with all that it names: its calibration's text, mean groove and backlight."""
-    return {
-        "resolved": job.document(),
-        "given": job.given(),
-        "calibration": calibration,
-        "measured_mm": None if measured is None else measured.tolist(),
-        "stack": describe_stack(stack),
-    }
-
-
-def restore_process(job: Job, text: str | None, where: str) -> Process | None:
-    """Return the process of a job whose calibration is kept as text."""
-    if text is None:
-        return read_job_process(job, None, job.film.groove, where)
-    with tempfile.TemporaryDirectory() as temporary:
-        file = Path(temporary) / "calibration.toml"
-        file.write_bytes(text.encode())
-        return read_job_process(job, file, job.film.groove, where)
-
-
-def read_curvature(folder: Path) -> NDArray[np.float64]:
-    """Return the curvature [1/mm] of every groove from an export's curvature.csv."""
-    path = folder / CURVATURE_FILE
-    return np.loadtxt(path, delimiter=",", skiprows=1, usecols=2, ndmin=1)
-
-
-def _build_plan(
+def build_plan(
     job: Job,
     stack: Stack,
     process: Process | None,
@@ -312,6 +236,7 @@ def _build_plan(
     measured: NDArray[np.float64] | None,
     where: str,
 ) -> Plan:
+    """Return the plan of what a job names, read already; a refusal begins with `where`."""
     laid = panel_map.lay(job, stack, measured, where)
     plan = Plan(
         job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
@@ -320,7 +245,7 @@ def _build_plan(
     if panel_map.crossed is None:
         return plan
     crossed_layer(stack, where)
-    across = _build_plan(turned_job(job), stack, process, panel_map.crossed, None, where)
+    across = build_plan(turned_job(job), stack, process, panel_map.crossed, None, where)
     return replace(plan, crossed=replace(across, suffix="-crossed"))
 
 

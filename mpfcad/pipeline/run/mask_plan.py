@@ -15,13 +15,7 @@ from mpfcad.mask.screen.printing import Printing
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap, asked_of
-from mpfcad.pipeline.plan.plan import (
-    Plan,
-    describe_job,
-    read_job_stack,
-    read_plan,
-    stored_job,
-)
+from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.printed.order import (
     ORDER,
@@ -36,6 +30,7 @@ from mpfcad.pipeline.plan.printed.process import read_job_process, with_reason
 from mpfcad.pipeline.plan.printed.propose import propose, with_screen
 from mpfcad.pipeline.plan.printed.screen import moire_setting, with_own_catalogue
 from mpfcad.pipeline.plan.printed.trial import Proposal
+from mpfcad.pipeline.plan.restored import describe_job, stored_job
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
 from mpfcad.record import in_order

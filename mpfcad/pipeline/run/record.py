@@ -17,8 +17,9 @@ from mpfcad.measure.cell.visible import worst_harmonic
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.cell_map import CELL_FILES
-from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan, stored_job
+from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan
 from mpfcad.pipeline.plan.printed.printing import job_print_limits
+from mpfcad.pipeline.plan.restored import stored_job
 from mpfcad.pipeline.run.examine import Findings, traced_file
 from mpfcad.pipeline.run.make import MARKERS, MASK_FORMATS, PICTURE
 from mpfcad.pipeline.run.plain import Traced

@@ -8,7 +8,8 @@ from mpfcad.backlight.stored import restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import Job, build_job
 from mpfcad.pipeline.plan.field import FIELD_FILE, read_field_film
-from mpfcad.pipeline.plan.plan import CURVATURE_FILE, restore_plan, restore_process
+from mpfcad.pipeline.plan.plan import CURVATURE_FILE
+from mpfcad.pipeline.plan.restored import restore_plan, restore_process
 from mpfcad.pipeline.plan.size import groove_count
 from mpfcad.pipeline.run.make import refuse_unprintable
 from mpfcad.pipeline.run.mask_plan import MaskPlan, field_mask_plan, mask_plan_of

@@ -104,7 +104,7 @@ def _find_again(
 ) -> tuple[dict[str, Any], Callable[[dict[str, Any]], dict[str, bytes]]]:
     """Return the record as this version finds it, and what draws the pages of a record."""
     from mpfcad.pipeline.effort import TraceSetting
-    from mpfcad.pipeline.plan.plan import restore_plan
+    from mpfcad.pipeline.plan.restored import restore_plan
     from mpfcad.pipeline.run.examine import examine, write_pictures
     from mpfcad.pipeline.run.make import plan_mask
     from mpfcad.pipeline.run.provenance import restore_provenance
