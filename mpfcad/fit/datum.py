@@ -82,6 +82,37 @@ class Figured:
             found[view] = np.stack(columns, axis=1)
         return found
 
+    def drawn(
+        self,
+        lines: dict[tuple[str, str], Line],
+        steps: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+        within: NDArray[np.float64],
+        draws: int,
+    ) -> NDArray[np.float64]:
+        """Return the figure of backlights that may be the true one, (draws, d).
+
+        Readings are drawn, and the figure is taken of each: a contrast does not follow the values
+        along a straight line where its curve is nearly flat. `covariance` (k, k): of the steps;
+        `within`: the same where the traces' noise is counted.
+        """
+        views = [lines[view] for view in self.views]
+        slope = np.hstack([line.slope for line in views])
+        spread = slope.T @ covariance @ slope + noise_of_lines(views, steps, within)
+        value, vector = np.linalg.eigh(spread)
+        root = vector * np.sqrt(np.maximum(value, 0))
+        rng = np.random.Generator(np.random.Philox(0))
+        middle = np.concatenate([line.reading(steps) for line in views])
+        found = middle + rng.standard_normal((draws, len(middle))) @ root.T
+        ends = np.cumsum([len(line.start) for line in views])[:-1]
+        parts = [np.split(one, ends) for one in found]
+        return np.array([self._exactly(part) for part in parts])
+
+    def _exactly(self, readings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return the figure of readings without noise."""
+        found = [self.figure(one, np.zeros((len(one), len(one)))) for one in readings]
+        return found[0] if self.over is None else found[0] / found[1]
+
     def noise(
         self,
         lines: dict[tuple[str, str], Line],

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.fit.datum import Datum, Figured
 from mpfcad.fit.linear import Line
 from mpfcad.fit.unknown import Unknowns
+from mpfcad.measure.estimate import reach
 
 Lines = dict[tuple[str, str], Line]
 #: The traces' noise depends on the widths that are left: found in so many rounds.
@@ -15,6 +16,8 @@ _ROUNDS = 4
 #: Steps [sigma] away from the lines' middle within which values are sought, and over which the
 #: traces' noise is taken where nothing holds a value: the lines were traced no wider.
 _REACH, _WIDEST = 3.0, 1.5
+#: Backlights drawn for a figure's interval: each end is read off fifty of them.
+_DRAWS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +51,19 @@ class Posterior:
         noise = noise_of(figured, lines, self.steps, self.covariance)
         return value, slope @ self.covariance @ slope.T + noise, noise
 
+    def interval(self, figured: Figured, lines: Lines) -> tuple[NDArray[np.float64], ...]:
+        """Return the two ends of a figure's 95 % interval, (d,) each, of backlights drawn.
+
+        Noise raises a contrast, so the lower end of what is never negative is no higher than that
+        of the straight line, and not below 0.
+        """
+        value, spread, _ = self.predicted(figured, lines)
+        within = _within(self.covariance)
+        drawn = figured.drawn(lines, self.steps, self.covariance, within, _DRAWS)
+        low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+        straight = value - reach() * np.sqrt(np.diag(spread))
+        return np.where(straight < low, np.maximum(straight, 0.0), low), high
+
 
 def fit_values(lines: Lines, data: list[Datum], unknowns: Unknowns) -> Posterior:
     """Return the values that data and prior hold, by Levenberg and Marquardt on straight readings.
@@ -75,9 +91,14 @@ def noise_of(
     figured: Figured, lines: Lines, steps: NDArray[np.float64], covariance: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the covariance (d, d) that the traces leave of a figure, over what is left."""
+    return figured.noise(lines, steps, _within(covariance))
+
+
+def _within(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a covariance of steps, no wider than the lines were traced."""
     value, vector = np.linalg.eigh(covariance)
-    within = (vector * np.minimum(value, _WIDEST**2)) @ vector.T
-    return figured.noise(lines, steps, within)
+    found: NDArray[np.float64] = (vector * np.minimum(value, _WIDEST**2)) @ vector.T
+    return found
 
 
 def _solve(

@@ -141,13 +141,13 @@ def _predictions(fitted: Fitted) -> dict[str, Any]:
         value, spread, noise = posterior.predicted(figured, lines)
         slopes.append(figured.jacobian(lines, posterior.steps)[0])
         traces.append(float(noise[0, 0]))
-        sigma = float(spread[0, 0]) ** 0.5
+        ends = posterior.interval(figured, lines)
         rows.append(
             {
                 "name": figured.name,
                 "value": float(value[0]),
-                "sigma": sigma,
-                "ci95": [float(value[0]) - reach() * sigma, float(value[0]) + reach() * sigma],
+                "sigma": float(spread[0, 0]) ** 0.5,
+                "ci95": [float(end[0]) for end in ends],
                 "trace_sigma": float(noise[0, 0]) ** 0.5,
             }
         )

@@ -8,6 +8,8 @@ from mpfcad.fit.reading import FLUX, PITCH, contrast, entry_of, harmonics_of, lu
 
 NAMES = ("top_sheet_sigma", "reflector_reflectance", "lamp_height_mm", "plate_absorption_per_mm")
 VIEWS = [("a", PITCH), ("b", PITCH), ("a", FLUX), ("b", FLUX)]
+#: A film that is not measured: its contrast is the least that its cosines can have, or clear.
+FLAT, CLEAR = ("flat", PITCH), ("clear", PITCH)
 
 
 def unknowns(free=(), luminance_too=True):
@@ -31,9 +33,11 @@ class Factory:
         rng = np.random.Generator(np.random.Philox(seed))
         # The same backlight for all: what differs are the traces' random numbers.
         of_case = np.random.Generator(np.random.Philox(77))
-        self.slope = {v: of_case.normal(size=(4, 4 if v[1] == PITCH else 2)) for v in VIEWS}
+        self.slope = {
+            v: of_case.normal(size=(4, 4 if v[1] == PITCH else 2)) for v in [*VIEWS, FLAT, CLEAR]
+        }
         self.noise = noise
-        self.common = {v: rng.normal(size=4 if v[1] == PITCH else 2) for v in VIEWS}
+        self.common = {v: rng.normal(size=4 if v[1] == PITCH else 2) for v in [*VIEWS, FLAT, CLEAR]}
         self.rng = rng
 
     def truth(self, view, steps):
@@ -41,7 +45,8 @@ class Factory:
         bent = z + 0.06 * z**2
         if view[1] == PITCH:
             size = np.array([0.01, 0.006, 0.002, 0.0005])
-            base = np.array([8.9, 0.011, 0.002, 0.0])
+            first = {FLAT: 0.0, CLEAR: 0.03}.get(view, 0.011)
+            base = np.array([8.9, first, 0.0 if view == FLAT else 0.002, 0.0])
             cross = 0.1 * size * z[0] * z[1]
         else:
             size, base, cross = np.array([0.01, 0.01]), np.array([-0.7, 7.0]), 0.0
@@ -77,6 +82,8 @@ FIGURES = [
     (Figured("cosines of b", ("b", PITCH), harmonics_of(2)), 0.0007),
     (Figured("b over a: flux", ("b", FLUX), entry_of(0), ("a", FLUX)), 0.004),
 ]
+FLAT_FILM = Figured("contrast of a flat film", FLAT, contrast)
+CLEAR_FILM = Figured("contrast of a clear film", CLEAR, contrast)
 NEW_FILM = Figured("efficiency of b", ("b", FLUX), entry_of(0))
 
 

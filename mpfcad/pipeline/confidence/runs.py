@@ -96,7 +96,7 @@ class Runs:
         found = []
         for number, row in enumerate(steps, 1):
             self.progress.stage(f"confidence: run {number} of {len(steps)} with inputs changed")
-            found.append(self._trace(row, blocks)[0])
+            found.append(self.trace(row, blocks)[0])
         slope, slope_covariance = fit_slopes(steps, np.array(found))
         self.progress.stage("confidence: second order of the resin")
         bend, bend_covariance, _, _ = self._bends(slope.shape, _CURVED * blocks)
@@ -134,7 +134,7 @@ class Runs:
             np.zeros((*shape, shape[1])),
         )
         if curved:
-            middle = self._trace(np.zeros(len(self.factors)), blocks)
+            middle = self.trace(np.zeros(len(self.factors)), blocks)
             for i in curved:
                 bend[i], bend_covariance[i], slope[i], slope_covariance[i] = self._bend(
                     i, middle, blocks
@@ -152,7 +152,7 @@ class Runs:
         ends = []
         for sign in (-1.0, 1.0):
             step[number] = float(self.factors[number].within(np.array(sign * STEP)))
-            ends.append((step[number], *self._trace(step, blocks)))
+            ends.append((step[number], *self.trace(step, blocks)))
         (low, below, below_spread), (high, above, above_spread) = ends
         span = high - low
         found = []
@@ -166,12 +166,11 @@ class Runs:
             )
         return found[0], found[1], found[2], found[3]
 
-    def trace(self, steps: NDArray[np.float64], blocks: int) -> NDArray[np.float64]:
-        """Return the coefficients (m,) of a run with inputs at steps (k,) of their sigma."""
-        return self._trace(steps, blocks)[0]
+    def trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
+        """Return the coefficients (m,) of a run with inputs at steps (k,) of their sigma.
 
-    def _trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
-        """Return the coefficients of a run and their covariance."""
+        And their covariance (m, m).
+        """
         from mpfcad.optics.engine import trace
         from mpfcad.optics.source import EYE, Source
 

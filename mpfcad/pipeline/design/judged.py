@@ -96,9 +96,9 @@ def _trace(
     blocks = max(2, round(_PATHS / (POINTS * 512)))
     steps = draws_of(factors, asked)[:DRAWN]
     work.progress.stage(f"tracing {one.label} with inputs drawn")
-    as_stated = runs.trace(np.zeros(len(factors)), blocks)
+    as_stated = runs.trace(np.zeros(len(factors)), blocks)[0]
     # All share their random numbers: what the draw changes is known better than what it is.
-    drawn = [response.start + runs.trace(z, blocks) - as_stated for z in steps]
+    drawn = [response.start + runs.trace(z, blocks)[0] - as_stated for z in steps]
     curve = 1 + np.array(drawn) @ response.basis.T
     high, low = curve.max(axis=1), curve.min(axis=1)
     return {
