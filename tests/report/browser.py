@@ -110,6 +110,12 @@ class Chromium(Browser):
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
+    def tab(self):
+        """Press the tabulator."""
+        for kind in ("keyDown", "keyUp"):
+            self.send("Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab",
+                      windowsVirtualKeyCode=9)  # fmt: skip
+
     def print(self, width_in, height_in):
         """Return the page as PDF bytes."""
         done = self.send("Page.printToPDF", paperWidth=width_in, paperHeight=height_in,
@@ -148,6 +154,12 @@ class Firefox(Browser):
                           target={"context": self.context}, awaitPromise=True)  # fmt: skip
         assert found["type"] == "success", found
         return json.loads(found["result"]["value"])
+
+    def tab(self):
+        """Press the tabulator."""
+        keys = [{"type": kind, "value": "\ue004"} for kind in ("keyDown", "keyUp")]
+        self.send("input.performActions", context=self.context,
+                  actions=[{"type": "key", "id": "keyboard", "actions": keys}])  # fmt: skip
 
     def print(self, width_in, height_in):
         """Return the page as PDF bytes."""

@@ -4,11 +4,13 @@ The tests run in each browser that is installed (Firefox: `pytest -m slow`).
 `test_a_browser_is_here` warns where none is.
 """
 
+import importlib.util
 import json
 import re
 import unicodedata
 import warnings
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +28,8 @@ PLOTS = (
 )  # fmt: skip
 #: Phone to 4K.
 WIDTHS = (390, 768, 1200, 1920, 3840)
+#: Pages of paper that the export below takes at most, and a little room for other fonts.
+PAGES = 13
 A4, LETTER = (8.27, 11.69), (8.5, 11.0)
 OVERFLOWING = """
 [...document.querySelectorAll('main *')].filter(e => !e.closest('.scroll, .plot, svg, option')
@@ -60,6 +64,32 @@ CONTRAST = """
     }).sort((a, b) => a[0] - b[0])[0];
 })()
 """
+#: Rules of WCAG 2.1, A and AA, and of good practice, that an automatic checker can tell.
+AXE = Path(importlib.util.find_spec("axe_core_python").origin).with_name("axe.min.js")
+AXE_RUN = """
+axe.run(document, {runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]})
+  .then(found => found.violations.map(one => [one.id, one.nodes.map(node => node.html)]))
+"""
+#: Legends that lie on the title of an axis or on its numbers.
+COVERED = """
+[...document.querySelectorAll('.plot')].flatMap(plot => {
+  const rects = sign => [...plot.querySelectorAll(sign)].map(e => e.getBoundingClientRect())
+    .filter(r => r.width && r.height);
+  const meets = (a, b) => a.left < b.right - 1 && b.left < a.right - 1
+    && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+  const words = rects('.xtitle, .ytitle, .xtick, .ytick');
+  return rects('.legend').some(a => words.some(b => meets(a, b))) ? [plot.id] : [];
+})
+"""
+TITLED = "document.querySelectorAll('.plot .legend').length"
+#: What moves or opens, and a ring around what is focused.
+STOPS = "[...document.querySelectorAll('main a, summary, button, input, canvas')]"
+FOCUSED = (
+    STOPS
+    + """.map((e, i) => e === document.activeElement
+  && parseFloat(getComputedStyle(e).outlineWidth) >= 2 ? i : -1).filter(i => i >= 0)
+"""
+)
 
 
 @pytest.fixture(scope="module")
@@ -284,12 +314,54 @@ def test_every_picture_and_plot_has_words(page):
     assert all(b - a <= 1 for a, b in pairwise(levels))
 
 
+def test_a_checker_of_accessibility_finds_nothing(browser, export):
+    """axe-core: names, roles, headings, landmarks, contrast, targets of the keyboard."""
+    for width, dark in ((1200, False), (390, False), (1200, True)):
+        browser.open((export / "report.html").as_uri(), width, dark)
+        browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+        browser.run(f"(() => {{ {AXE.read_text('utf-8')} }})() ?? 0")
+        assert browser.run(AXE_RUN) == []
+
+
+def test_the_tabulator_reaches_all_that_moves_and_shows_where_it_is(browser, export):
+    browser.open((export / "report.html").as_uri())
+    browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    count = browser.run(f"{STOPS}.length")
+    reached = []
+    for _ in range(count):
+        browser.tab()
+        reached += browser.run(FOCUSED)
+    assert reached == list(range(count))
+
+
+@pytest.mark.parametrize("width", [390, 1200])
+def test_a_legend_lies_on_no_axis(browser, export, width):
+    browser.open((export / "report.html").as_uri(), width)
+    browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    browser.wait("[...document.querySelectorAll('.plot')].every(p => p.querySelector('svg'))")
+    assert browser.run(TITLED) >= 5
+    assert browser.run(COVERED) == []
+    browser.run("dispatchEvent(new Event('beforeprint'))")
+    assert browser.run(COVERED) == []
+
+
+def test_a_film_is_looked_at_from_farther_off_on_a_phone(browser, export):
+    away = []
+    for width in (1200, 390):
+        browser.open((export / "report.html").as_uri() + "#cad", width)
+        browser.wait("!!document.querySelector('#plot-grooves')._fullLayout?.scene")
+        eye = "document.querySelector('#plot-grooves')._fullLayout.scene.camera.eye"
+        away.append(browser.run(f"Math.hypot({eye}.x, {eye}.y, {eye}.z)"))
+    assert away[1] > 1.3 * away[0]
+
+
 @pytest.mark.parametrize("paper", [A4, LETTER])
 def test_a_printed_page_shows_the_whole_verdict(browser, export, paper):
     browser.open((export / "report.html").as_uri())
     (export.parent / "page.pdf").write_bytes(browser.print(*paper))
     printed = PdfReader(export.parent / "page.pdf")
     record = json.loads((export / "verification.json").read_text())
+    assert len(printed.pages) <= PAGES
     # A font may join f and i to one sign.
     first = unicodedata.normalize("NFKC", re.sub(r"\s+", " ", printed.pages[0].extract_text()))
     sentence = browser.run("document.querySelector('.banner p').innerText")

@@ -1,6 +1,7 @@
 """The report's section on confidence: every figure of the record, or that it was not asked for."""
 
 from mpfcad.report.film.confidence_section import confidence_values
+from mpfcad.report.film.wording import states_confidence
 from mpfcad.report.page.environment import render
 
 FOUND = {
@@ -27,7 +28,8 @@ FOUND = {
 
 def page(record):
     values = confidence_values(record)
-    return render("report/confidence.html.j2", confidence=values, sliders=None, record=record)
+    return render("report/confidence.html.j2", confidence=values, sliders=None, record=record,
+                  states_confidence=states_confidence(record))  # fmt: skip
 
 
 def test_the_section_shows_what_was_found():

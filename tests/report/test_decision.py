@@ -9,6 +9,7 @@ import pytest
 from mpfcad.report.drawing.strip import strip_of
 from mpfcad.report.film.decision import decision_values
 from mpfcad.report.film.section import _pitch_rows
+from mpfcad.report.film.wording import states_confidence
 from mpfcad.report.page.environment import render
 
 
@@ -46,7 +47,7 @@ def record(low, high, outcome, **more):
 
 def shown(found):
     page = render("report/decision.html.j2", record=found, decision=decision_values(found),
-                  film={"plot": None})  # fmt: skip
+                  film={"plot": None}, states_confidence=states_confidence(found))  # fmt: skip
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", page)))
 
 

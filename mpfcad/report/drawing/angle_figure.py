@@ -22,12 +22,17 @@ _SHOWN_DEG = 80
 _GRID = 161
 
 
-def angular_figure(angular: dict[str, Any], axes: dict[str, str]) -> "go.Figure":
-    """Return luminance over the viewing angle, across and along the lamps, with its 95 % band."""
+def angular_figure(
+    angular: dict[str, Any], axes: dict[str, str], beside: str = "lamps"
+) -> "go.Figure":
+    """Return luminance over the viewing angle, across and along the lamps, with its 95 % band.
+
+    Under LEDs it is `beside` the grooves.
+    """
     colours = {"across": FILM_COLOUR, "along": THIRD_COLOUR}
     return angular_overlay(
         [
-            (f"{axes[plane]}: {plane} the lamps", angular[plane], colour)
+            (f"{axes[plane]}: {plane} the {beside}", angular[plane], colour)
             for plane, colour in colours.items()
         ]
     )

@@ -13,18 +13,23 @@ _END, _GAP, _TOP = 470.0, 14.0, 12.0
 _IN = 'fill="#c79a12"'
 _OUT, _OUT_BAND = 'fill="#0b5fa5"', 'fill="#0b5fa5" fill-opacity="0.35"'
 _LOSS, _LOSS_BAND = 'fill="#8a6d3b"', 'fill="#8a6d3b" fill-opacity="0.3"'
+#: What a record calls the light sources of any kind.
+SOURCES = "lamps"
 #: A share below this is not drawn.
 _LEAST = 1e-6
 
 
-def draw_energy(energy: dict[str, Any]) -> Markup:
-    """Return the flow from the lamps to the viewer and to what absorbs, as shares."""
+def draw_energy(energy: dict[str, Any], sources: str) -> Markup:
+    """Return the flow from the sources (their word) to viewer and absorbers, as shares."""
     ends = [("to the viewer", energy["out"])]
-    ends += [(f"absorbed by {name}", share) for name, share in energy["absorbed_by"].items()]
+    ends += [
+        (f"absorbed by {sources if name == SOURCES else name}", share)
+        for name, share in energy["absorbed_by"].items()
+    ]
     ends.append(("lost", energy["lost"]))
     ends = [end for end in ends if end[1] > _LEAST]
     parts = [svg.rectangle(0, _TOP, _BAR, _HEIGHT, _IN)]
-    parts.append(svg.text(_BAR + 8, _TOP + 20, "the lamps' light", 'font-size="13"'))
+    parts.append(svg.text(_BAR + 8, _TOP + 20, f"light of the {sources}", 'font-size="13"'))
     start, place = _TOP, _TOP
     for number, (name, share) in enumerate(ends):
         high = share * _HEIGHT

@@ -1,5 +1,6 @@
 """The curves of the report, as plotly figures; their ids are fixed so that the bytes are too."""
 
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,8 @@ _DRESS = {
     PLAIN: (THIRD_COLOUR, THIRD_BAND),
     BASELINE: (BASE_COLOUR, BASE_BAND),
 }
+#: Signs in a line of a label.
+LABEL = 34
 #: Positions [pitch] at which the fitted curves are drawn.
 FINE = np.linspace(0, 1, 129)
 
@@ -154,6 +157,11 @@ def line(colour: str, width: float, dash: str | None = None) -> dict[str, Any]:
     return {"color": colour, "width": width, "dash": dash}
 
 
+def broken(label: str) -> str:
+    """Return a label of an axis in lines that leave the plot some room on a phone."""
+    return "<br>".join(wrap(label, LABEL))
+
+
 def rounded(values: ArrayLike, digits: int) -> list[float]:
     """Return values with so many decimals, as plain numbers."""
     return np.round(np.asarray(values, float), digits).tolist()
@@ -166,13 +174,15 @@ def styled(figure: "go.Figure", height: int) -> "go.Figure":
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         height=height,
-        margin={"l": 60, "r": 20, "t": 40, "b": 80},
+        margin={"l": 60, "r": 20, "t": 40, "b": 50},
         font={"family": "system-ui, sans-serif", "size": 12, "color": "#222"},
-        legend={"orientation": "h", "y": -0.2, "x": 0.5, "xanchor": "center"},
+        # At the foot, whatever the height: below the axis and its title.
+        legend={"orientation": "h", "x": 0.5, "xanchor": "center",
+                "yref": "container", "y": 0, "yanchor": "bottom"},
         hovermode="x unified",
-    )
+    )  # fmt: skip
     figure.update_annotations(font_size=13)
     axis = {"gridcolor": "#e4e4e4", "linecolor": "#999", "mirror": True, "zeroline": False}
-    figure.update_xaxes(title_standoff=6, **axis)
-    figure.update_yaxes(**axis)
+    figure.update_xaxes(title_standoff=6, automargin="height", **axis)
+    figure.update_yaxes(automargin="width", **axis)
     return figure

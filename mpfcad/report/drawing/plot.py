@@ -26,20 +26,23 @@ class Plot:
         in pixels
     content
         JSON of data, layout and config, safe between the tags of a script
+    least_width
+        in pixels; on a narrower page it scrolls sideways
     """
 
     name: str
     words: str
     height: int
     content: Markup
+    least_width: int = 0
 
 
-def plot(figure: "go.Figure", name: str) -> Plot:
+def plot(figure: "go.Figure", name: str, least_width: int = 0) -> Plot:
     """Return a figure as data; the same figure gives the same bytes."""
     content = json.loads(figure.to_json()) | {"config": _CONFIG}
     chosen = {key: content[key] for key in ("data", "layout", "config")}
     text = json.dumps(chosen, sort_keys=True, ensure_ascii=False).replace("<", r"\u003c")
-    return Plot(name, _words(content), int(figure.layout.height), Markup(text))
+    return Plot(name, _words(content), int(figure.layout.height), Markup(text), least_width)
 
 
 def _words(content: dict[str, Any]) -> str:

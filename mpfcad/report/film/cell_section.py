@@ -14,8 +14,8 @@ def cell_rows(record: Record) -> list[tuple[str, str]]:
     rows = [("σ / mean", with_interval(record["sigma_over_mean"], 4))]
     for count, points in record["points"].items():
         rows += [
-            (f"L_min/L_max on {count} points", with_interval(points["min_over_max"], 3)),
-            (f"L_max/L_min on {count} points", with_interval(points["max_over_min"], 3)),
+            (f"L_{{min}}/L_{{max}} on {count} points", with_interval(points["min_over_max"], 3)),
+            (f"L_{{max}}/L_{{min}} on {count} points", with_interval(points["max_over_min"], 3)),
         ]
     largest = sorted(record["harmonic_amplitude"].items(), key=lambda pair: -pair[1]["value"])
     for name, amplitude in largest[:_LISTED]:

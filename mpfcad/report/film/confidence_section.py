@@ -62,6 +62,5 @@ def _bars(inputs: list[Record]) -> "go.Figure":
     )
     figure.update_xaxes(title_text="share of the curve's variance [%]")
     styled(figure, 110 + 24 * len(shown))
-    figure.update_yaxes(automargin=True)
-    figure.update_layout(hovermode="closest", margin={"t": 10, "b": 50})
+    figure.update_layout(hovermode="closest", margin={"t": 10})
     return figure

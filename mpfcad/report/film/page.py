@@ -16,7 +16,7 @@ from mpfcad.report.film.section import (
     luminance_values,
 )
 from mpfcad.report.film.slider_section import slider_values
-from mpfcad.report.film.wording import gate_values
+from mpfcad.report.film.wording import gate_values, states_confidence
 from mpfcad.report.page.environment import render
 
 #: Files that a run makes besides those whose hashes the record holds.
@@ -64,5 +64,6 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         directions=direction_values(record, evidence),
         convergence=convergence_values(record),
         confidence=confidence_values(record),
+        states_confidence=states_confidence(record),
         sliders=slider_values(record),
     )

@@ -5,12 +5,13 @@ from typing import Any
 from mpfcad.record.traced import traced_films
 from mpfcad.report.drawing.angle_figure import angular_figure, conoscope_figure
 from mpfcad.report.drawing.convergence_figure import facets_figure, paths_figure
-from mpfcad.report.drawing.energy_drawing import draw_energy
+from mpfcad.report.drawing.energy_drawing import SOURCES, draw_energy
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
 from mpfcad.report.film.cell_section import cell_rows
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.influence import assumed_rows
+from mpfcad.report.film.wording import sources_of
 from mpfcad.report.page.number import number, with_interval
 
 Record = dict[str, Any]
@@ -76,14 +77,15 @@ def convergence_values(record: Record) -> Record:
 
 def luminance_values(record: Record) -> dict[str, Any]:
     """Return the figures of every trace, and their energy balances beside each other."""
+    sources = sources_of(record)
     traces = {film.name: film.found for film in traced_films(record)}
     return {
         "traces": list(traces.items()),
         "pitches": _pitch_rows(record),
         "cell": cell_rows(record) if record.get("cell") else [],
-        "flow": draw_energy(record["energy"]) if record["energy"] else None,
-        "energy_head": ["share of the lamps' light", *traces],
-        "energy": _energy_rows([found["energy"] for found in traces.values()]),
+        "flow": draw_energy(record["energy"], sources) if record["energy"] else None,
+        "energy_head": [f"share of the light of the {sources}", *traces],
+        "energy": _energy_rows([found["energy"] for found in traces.values()], sources),
     }
 
 
@@ -99,15 +101,15 @@ def _pitch_rows(record: Record) -> list[list[str]]:
     ]
 
 
-def _energy_rows(shares: list[dict[str, Any]], prefix: str = "") -> list[list[str]]:
+def _energy_rows(shares: list[dict[str, Any]], sources: str, prefix: str = "") -> list[list[str]]:
     """Return the rows of several energy balances, those of each element among them."""
     rows: list[list[str]] = []
     for key in dict.fromkeys(key for share in shares for key in share):
-        label = prefix + key.replace("_", " ")
+        label = prefix + (sources if key == SOURCES else key.replace("_", " "))
         found = [share.get(key, "–") for share in shares]
         if any(isinstance(entry, dict) for entry in found):
             parts = [entry if isinstance(entry, dict) else {} for entry in found]
-            rows += _energy_rows(parts, prefix=label + " ")
+            rows += _energy_rows(parts, sources, label + " ")
         else:
             rows.append([label, *(number(entry, 5) for entry in found)])
     return rows

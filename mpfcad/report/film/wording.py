@@ -137,6 +137,16 @@ _SENTENCES = {
 }
 
 
+def sources_of(record: dict[str, Any]) -> str:
+    """Return what the light sources of a run are called: lamps or LEDs."""
+    return "LEDs" if record.get("cell") else "lamps"
+
+
+def states_confidence(record: dict[str, Any]) -> bool:
+    """Return whether `mpfcad run --confidence` takes this backlight: tubes, and no rim."""
+    return not record.get("cell") and not record.get("judged")
+
+
 def verdict_sentence(record: dict[str, Any]) -> str:
     """Return what the contrast's gate decides, as a sentence."""
     gate = record["gates"][0]
@@ -147,7 +157,7 @@ def verdict_sentence(record: dict[str, Any]) -> str:
     words = _SENTENCES[gate["outcome"]].format(
         limit=f"{gate['limit']:g}",
         marginal=f"{gate['marginal_limit']:g}",
-        lamps="LEDs" if record.get("cell") else "lamps",
+        lamps=sources_of(record),
     )
     if record.get("printability") == "phototool only":
         words += (

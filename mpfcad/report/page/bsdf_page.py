@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.bsdf.basis import AngleBasis, klems_basis
 from mpfcad.optics.bsdf.rebin import overlap
 from mpfcad.optics.bsdf.table import SIDES, WAYS, BsdfTable
-from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
+from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR, styled
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.page.environment import render
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 SHOWN_DEG = (0.0, 30.0, 60.0)
 _MOST_BINS = 400
 _DECADES = 3
+#: Room [px] for the titles of four plots beside each other.
+_LEAST_WIDTH = 760
 
 
 def bsdf_page(table: BsdfTable) -> str:
@@ -33,7 +35,7 @@ def bsdf_page(table: BsdfTable) -> str:
         reciprocity_error=f"{table.reciprocity_error:.2e}",
         light=light,
         energy=plot(energy_figure(table), "energy"),
-        lobes=plot(lobe_figure(table), "lobes"),
+        lobes=plot(lobe_figure(table), "lobes", _LEAST_WIDTH),
     )
 
 
@@ -60,9 +62,9 @@ def energy_figure(table: BsdfTable) -> "go.Figure":
                 name=WAYS[way], line={"color": colour}, mode="lines+markers",
                 showlegend=side == 0, **shared,
             )  # fmt: skip
-    figure.update_xaxes(title_text="incidence [°]", range=[0, 90], gridcolor="#e4e4e4")
-    figure.update_yaxes(range=[0, 1.02], gridcolor="#e4e4e4")
-    return _dressed(figure, 340)
+    figure.update_xaxes(title_text="incidence [°]", range=[0, 90])
+    figure.update_yaxes(range=[0, 1.02])
+    return styled(figure, 340)
 
 
 def lobe_figure(table: BsdfTable) -> "go.Figure":
@@ -102,8 +104,7 @@ def lobe_figure(table: BsdfTable) -> "go.Figure":
         coloraxis={"colorscale": "Viridis", "cmin": top - _DECADES, "cmax": top,
                    "colorbar": {"title": "log₁₀ BSDF", "thickness": 12}}
     )  # fmt: skip
-    figure.update_annotations(font_size=11)
-    return _dressed(figure, 300 * len(SHOWN_DEG))
+    return styled(figure, 250 * len(SHOWN_DEG)).update_layout(hovermode="closest")
 
 
 def _lobes(table: BsdfTable, theta: float) -> tuple[AngleBasis, NDArray[np.float64]]:
@@ -116,13 +117,3 @@ def _lobes(table: BsdfTable, theta: float) -> tuple[AngleBasis, NDArray[np.float
     basis = klems_basis("LBNL/Klems Full")
     share = overlap(basis, table.basis) / basis.projected[:, None]
     return basis, value @ share.T
-
-
-def _dressed(figure: "go.Figure", height: int) -> "go.Figure":
-    figure.update_layout(
-        template="none", paper_bgcolor="rgba(0,0,0,0)", height=height,
-        margin={"l": 50, "r": 20, "t": 50, "b": 50},
-        font={"family": "system-ui, sans-serif", "size": 12, "color": "#222"},
-        legend={"orientation": "h", "y": -0.2, "x": 0.5, "xanchor": "center"},
-    )  # fmt: skip
-    return figure

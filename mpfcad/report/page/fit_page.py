@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR, line, styled
+from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR, broken, line, styled
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.page.environment import render
 
@@ -86,11 +86,8 @@ def _widths(values: list[Record]) -> "go.Figure":
                  "color": FILM_COLOUR},
         marker={"size": 9, "color": FILM_COLOUR}, name="fitted",
     )  # fmt: skip
-    figure.update_xaxes(
-        title_text="standard uncertainties of the prior; bars: one standard uncertainty"
-    )
+    figure.update_xaxes(title_text="in σ of the prior")
     styled(figure, 130 + 26 * len(shown))
-    figure.update_yaxes(automargin=True)
     figure.update_layout(hovermode="closest", margin={"t": 10})
     return figure
 
@@ -103,15 +100,14 @@ def _residuals(data: list[Record]) -> "go.Figure":
     figure = go.Figure(
         go.Bar(
             x=[round(row["residual"], 3) for row in shown],
-            y=[row["name"] for row in shown],
+            y=[broken(row["name"]) for row in shown],
             orientation="h",
             marker={"color": FILM_COLOUR},
         )
     )
     for sign in (-2, 2):
         figure.add_vline(sign, line=line("#777", 1, "dot"))
-    figure.update_xaxes(title_text="predicted less measured [standard deviations]")
-    styled(figure, 110 + 24 * len(shown))
-    figure.update_yaxes(automargin=True)
-    figure.update_layout(hovermode="closest", margin={"t": 10, "b": 50})
+    figure.update_xaxes(title_text="predicted − measured [σ]")
+    styled(figure, 110 + 36 * len(shown))
+    figure.update_layout(hovermode="closest", margin={"t": 10})
     return figure

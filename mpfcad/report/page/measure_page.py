@@ -108,22 +108,26 @@ def _cell(found: Record) -> Record:
     }
 
 
+def _under_leds(record: Record) -> bool:
+    return str(record["screen"]["repeat"]).startswith("the cell")
+
+
 def _rows(rows: list[tuple[str, Record | None, int]], none: str = "–") -> list[Row]:
     return [(*row, none) for row in rows]
 
 
 def _angular(record: Record, folder: Path) -> Record:
     angular, axes = record["angular"], record["screen"]["axes"]
-    rows = []
+    rows, beside = [], "grooves" if _under_leds(record) else "lamps"
     for plane in ("along", "across"):
-        label, curve = f"{axes[plane]} ({plane} the lamps)", angular[plane]
+        label, curve = f"{axes[plane]} ({plane} the {beside})", angular[plane]
         rows += [
             (f"{label}: full width at half of the peak [°]", curve["fwhm_deg"], 4),
             (f"{label}: full width at a third of the normal luminance [°]",
              curve["third_of_normal_width_deg"], 4),
         ]  # fmt: skip
     return {
-        "plot": plot(angular_figure(angular, axes), "angular"),
+        "plot": plot(angular_figure(angular, axes, beside), "angular"),
         "paths": angular["paths"],
         "rows": _rows(rows, _BEYOND),
     }
@@ -141,10 +145,12 @@ def _conoscope(record: Record, folder: Path) -> Record:
 
 def _flux(record: Record, folder: Path) -> Record:
     found = record["flux"]
+    sources = "LEDs" if _under_leds(record) else "lamps"
     rows = [
-        ("efficiency: flux out / flux that the lamps emit [lm/lm]", found["efficiency_lm_per_lm"]),
+        (f"efficiency: flux out / flux that the {sources} emit [lm/lm]",
+         found["efficiency_lm_per_lm"]),
         ("efficiency / conventional", record.get("relative_efficiency")),
-        ("flux out per area [lm/m²], traced from the lamps", found["exitance_lm_m2"]),
+        (f"flux out per area [lm/m²], traced from the {sources}", found["exitance_lm_m2"]),
         ("the same, from the luminance over the hemisphere", found["exitance_backward_lm_m2"]),
         ("the same, from the conoscopic map",
          record.get("conoscope", {}).get("exitance_lm_m2")),

@@ -14,21 +14,39 @@ function dress(layout, paper) {
 const lighter = {"#0b5fa5": "#5aa9ec", "#8a6d3b": "#cba868", "#3f7f4f": "#6fc288",
   "#c03a6b": "#f07ba6", "#7a4d9f": "#b98fe0", "#b5541c": "#f0905a"};
 const lit = text => dark.matches ? text.replace(/#[0-9a-f]{6}/g, colour => lighter[colour] ?? colour) : text;
+// Of a page's width on paper, and of two figures beside each other.
+const PAPER = 700, HALF = 342;
 function draw(place, width) {
   place.figure ??= JSON.parse(place.nextElementSibling.textContent);
-  place.style.height = place.figure.layout.height + "px";
   const layout = dress(place.figure.layout, width !== undefined);
-  if (width) layout.width = width;
+  if (width) Object.assign(layout, {width, height: Math.max(Math.min(layout.height, 0.75 * layout.height + 40), 130)});
+  place.style.height = layout.height + "px";
+  const across = width ?? place.clientWidth;
+  if (layout.scene) stepBack(layout.scene, across / layout.height);
   const narrow = (width ?? place.clientWidth) < 560;
   const columns = Object.keys(layout).filter(key => /^xaxis\d*$/.test(key));
   if (narrow && columns.length > 1 && layout.annotations?.length) stack(layout, columns, place);
   const text = JSON.stringify(place.figure.data);
-  Plotly.react(place, JSON.parse(width === undefined ? lit(text) : text), layout, place.figure.config);
+  const data = JSON.parse(width === undefined ? lit(text) : text);
+  if (narrow) lieDown(data);
+  Plotly.react(place, data, layout, place.figure.config);
   place.drawn = true;
+}
+// A place that is narrower than high shows a scene's height: from farther off its width, too.
+const SQUARE = 1.3;
+function stepBack(scene, shape) {
+  const {eye} = scene.camera, away = Math.max(SQUARE / shape, 1);
+  for (const axis of "xyz") eye[axis] *= away;
+}
+// A map on a phone has its scale below.
+function lieDown(data) {
+  const bars = data.filter(trace => trace.colorbar).map(trace => trace.colorbar);
+  if (bars.length === 1) Object.assign(bars[0], {orientation: "h", thickness: 12, len: 0.9,
+    x: 0.5, xanchor: "center", yref: "container", y: 0, yanchor: "bottom"});
 }
 // On a phone plots beside each other stand above each other.
 function stack(layout, columns, place) {
-  const count = columns.length, gap = 0.16 / count;
+  const count = columns.length, gap = 0.26 / count;
   const high = (1 - gap * (count - 1)) / count;
   columns.forEach((key, i) => {
     const upper = 1 - i * (high + gap);
@@ -38,9 +56,8 @@ function stack(layout, columns, place) {
     if (title) Object.assign(title, {x: 0.5, y: upper, xanchor: "center", yanchor: "bottom"});
     if (i < count - 1) layout[key].title = {text: ""};
   });
-  layout.height = place.figure.layout.height * (0.75 * count);
+  layout.height *= 0.75 * count;
   layout.margin = {...layout.margin, l: 48, r: 8};
-  layout.legend = {...layout.legend, y: -0.12};
   place.style.height = layout.height + "px";
 }
 const plots = () => [...document.querySelectorAll(".plot")];
@@ -59,7 +76,7 @@ addEventListener("resize", reach);
 dark.addEventListener("change", () => plots().forEach(place => place.drawn && draw(place)));
 addEventListener("beforeprint", () => {
   document.querySelectorAll("details").forEach(part => { part.wasOpen = part.open; part.open = true; });
-  plots().forEach(place => draw(place, 680));
+  plots().forEach(place => draw(place, place.closest(".pair") ? HALF : PAPER));
 });
 addEventListener("afterprint", () => {
   plots().forEach(place => draw(place));

@@ -59,10 +59,12 @@ def scene(
     import plotly.graph_objects as go
 
     figure = go.Figure()
+    corners = []
     for name, colour, vertex, triangle in bodies:
         if len(triangle) == 0:
             continue
         vertex = np.round(vertex / um, DECIMALS)
+        corners += [vertex.min(axis=0), vertex.max(axis=0)]
         figure.add_mesh3d(
             **dict(zip("xyz", vertex.T.tolist(), strict=True)),
             **dict(zip("ijk", triangle.T.tolist(), strict=True)),
@@ -74,6 +76,7 @@ def scene(
             lighting=LIGHTING,
             lightposition={"x": -4000, "y": -9000, "z": 12000},
         )
+    away = _away(np.ptp(corners, axis=0))
     axis = {"backgroundcolor": "#fafbfc", "gridcolor": "#dde2e7", "zeroline": False}
     figure.update_layout(
         template="none",
@@ -87,10 +90,19 @@ def scene(
             "yaxis": {"title": {"text": "along [µm]"}, **axis},
             "zaxis": {"title": {"text": "up [µm]"}, **axis},
             "aspectmode": "data",
-            "camera": {"eye": {"x": 1.15, "y": -1.95, "z": 1.15}},
+            "camera": {"eye": {"x": 1.15 * away, "y": -1.95 * away, "z": 1.15 * away}},
         },
     )
     return figure
+
+
+def _away(size: NDArray[np.float64]) -> float:
+    """Return how much farther off a long body has to be looked at, so that all of it is seen.
+
+    plotly draws a box of size (3,) with its volume as 1.
+    """
+    shape = size / np.prod(size) ** (1 / 3)
+    return round(max(float(np.linalg.norm(shape)) / 2, 1.0), 3)
 
 
 def _profile(

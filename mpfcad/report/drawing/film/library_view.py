@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def library_view(mesh: Path, film: PieceLibrary) -> "go.Figure":
-    """Return the pieces in the middle of the film; the base is cut off below."""
+    """Return the pieces in the middle of the film; base and length are cut off."""
     found = read_pieces(mesh)
     shape = np.array(film.chosen.shape)
     shown = np.minimum(shape, (GROOVES, max(1, round(LENGTH / film.length))))
@@ -25,6 +25,7 @@ def library_view(mesh: Path, film: PieceLibrary) -> "go.Figure":
     vertex, triangle, start = [], [], 0
     for identity, place in zip(found.number[inside], at[inside], strict=True):
         point = found.point[int(identity)] + np.append(place, 0.0)
+        point[:, 1] = np.minimum(point[:, 1], LENGTH)
         point[:, 2] = np.maximum(point[:, 2], film.base - BASE_SHOWN)
         vertex.append(point)
         triangle.append(found.facet[int(identity)] + start)
