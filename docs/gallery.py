@@ -143,8 +143,8 @@ def plot_picture(page: Path, path: Path, browser: str, plot: str, part: str) -> 
     """Write one plot of a page, without what stands around it, as a small picture."""
     hidden = f"""
         header, footer, main > #decision > :not(figure:has(#{plot})), details:not(:has(#{plot})),
-        details > :not(:has(#{plot})), .pair > :not(:has(#{plot})), figcaption {{ display: none !important; }}
-        details {{ border: 0; }} .pair {{ display: block !important; }}
+        details > :not(figure:has(#{plot})), figcaption {{ display: none !important; }}
+        details {{ border: 0; }}
         body, main {{ background: #fff; padding: 12px; margin: 0; border: 0; }}
     """
     write_screenshot(page, path, browser, SIZE, style=hidden, target=part)
