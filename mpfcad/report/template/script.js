@@ -16,14 +16,15 @@ const lighter = {"#0b5fa5": "#5aa9ec", "#8a6d3b": "#cba868", "#3f7f4f": "#6fc288
 const lit = text => dark.matches ? text.replace(/#[0-9a-f]{6}/g, colour => lighter[colour] ?? colour) : text;
 // Of a page's width on paper, and of two figures beside each other.
 const PAPER = 700, HALF = 342;
+const isNarrow = across => across < 560;
 function draw(place, width) {
   place.figure ??= JSON.parse(place.nextElementSibling.textContent);
   const layout = dress(place.figure.layout, width !== undefined);
   if (width) Object.assign(layout, {width, height: Math.max(Math.min(layout.height, 0.75 * layout.height + 40), 130)});
   place.style.height = layout.height + "px";
-  const across = width ?? place.clientWidth;
+  const across = place.across = width ?? place.clientWidth;
   if (layout.scene) stepBack(layout.scene, across / layout.height);
-  const narrow = (width ?? place.clientWidth) < 560;
+  const narrow = isNarrow(across);
   const columns = Object.keys(layout).filter(key => /^xaxis\d*$/.test(key));
   if (narrow && columns.length > 1 && layout.annotations?.length) stack(layout, columns, place);
   const text = JSON.stringify(place.figure.data);
@@ -72,7 +73,9 @@ const reach = () => document.querySelectorAll(".scroll, figure").forEach(part =>
 });
 const unfold = () => { drawSeen(); reach(); };
 document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", unfold));
-addEventListener("resize", reach);
+const turned = place => place.drawn && seen(place) && place.clientWidth !== place.across
+  && (place.figure.layout.scene || isNarrow(place.clientWidth) !== isNarrow(place.across));
+addEventListener("resize", () => { reach(); plots().filter(turned).forEach(place => draw(place)); });
 dark.addEventListener("change", () => plots().forEach(place => place.drawn && draw(place)));
 addEventListener("beforeprint", () => {
   document.querySelectorAll("details").forEach(part => { part.wasOpen = part.open; part.open = true; });
