@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mpfcad.measure import POINTS, contrast_of_curve, fit_curve, fit_harmonics, reach
+from mpfcad.measure.contrast import contrast as reading
 
 POSITION = np.linspace(0, 1, POINTS)
 
@@ -78,12 +79,16 @@ CASES = [
 ]
 
 
+def check_share(share, count, most=0.97):
+    """Assert that the share is 0.93 … `most`; a count of it scatters: 2.5 binomial sigma."""
+    print(f"{share:.4f} of {count}")
+    assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
+    assert share <= most + 2.5 * np.sqrt(most * (1 - most) / count)
+
+
 def check(shape, contrast, sigma, count):
     rows = simulated(shape, contrast, sigma, count, seed=71)
-    share = covered(rows, contrast)
-    # The share shall be 0.93 … 0.97; a count of it scatters: 2.5 binomial sigma.
-    assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
-    assert share <= 0.97 + 2.5 * np.sqrt(0.97 * 0.03 / count)
+    check_share(covered(rows, contrast), count)
     # Bias of the median below 0.15 of a point's error (3σ of the median: 1.25 · 0.35/√count) …
     slack = 3 * 1.25 * 0.35 / np.sqrt(count)
     assert abs(np.median(rows[:, 2]) - contrast) <= (0.15 + slack) * sigma
@@ -100,6 +105,43 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(shape, contrast, sigma
 @pytest.mark.parametrize(("shape", "contrast", "sigma"), CASES)
 def test_the_interval_holds_the_truth_over_many_curves(shape, contrast, sigma):
     check(shape, contrast, sigma, 1000)
+
+
+def peaks(number):
+    return lambda u: np.cos(2 * np.pi * number * u)
+
+
+def plateaus(u):
+    return np.tanh(3 * (cosine(u) + 0.3))
+
+
+#: Several places are as high, or a whole stretch is. Noise reads them too high alone, so intervals
+#: miss on one side only: 97.5 % at most.
+RIVALS = [(peaks(2), 0.01, 0.003), (peaks(4), 0.1, 0.003), (plateaus, 0.05, 0.003)]
+
+
+def check_rivals(shape, contrast, sigma, count):
+    rows = simulated(shape, contrast, sigma, count, seed=78)
+    check_share(covered(rows, contrast), count, 0.975)
+    assert np.mean(rows[:, 1] < contrast) < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), RIVALS)
+def test_many_curves_whose_highest_places_are_alike(shape, contrast, sigma):
+    check_rivals(shape, contrast, sigma, 400)
+
+
+@pytest.mark.parametrize(("shape", "rivals"), [(cosine, False), (peaks(4), True)])
+def test_only_rivals_of_the_highest_place_lower_the_low_end(monkeypatch, shape, rivals):
+    noisy = curve(shape, 0.05) + 0.003 * np.random.default_rng(79).standard_normal(POINTS)
+    fit = fit_curve(POSITION, noisy, np.full(POINTS, 0.003))
+    found = contrast_of_curve(fit)
+    monkeypatch.setattr(reading, "_ALIKE", 0.0)
+    plain = contrast_of_curve(fit)
+    assert (found.value, found.high) == (plain.value, plain.high)
+    assert (found.low < plain.low - 0.1 * plain.half_width) == rivals
+    assert found.low <= plain.low
 
 
 def test_a_flat_noisy_curve_is_compatible_with_no_contrast():

@@ -19,9 +19,9 @@ from mpfcad.measure.contrast.curve import CurveFit
 from mpfcad.measure.estimate import Estimate, wobble
 
 _DRAWS = 1000
-#: By how many of its errors a curve's top and bottom are cut off, smoothed or (points alone) not,
-#: and the largest share of its range: what simulated curves with flat or equal tops ask for.
-_BLUNT, _BLUNT_SHARP, _MOST_BLUNT = 0.6, 2.5, 0.45
+#: Errors of a difference within which two places, or two pitches, may be alike, and the largest
+#: share of a pitch's range.
+_ALIKE, _MOST = 2.0, 0.45
 
 
 def contrast_of_curve(fit: CurveFit, seed: int = 0, *, points: int | None = None) -> Estimate:
@@ -50,38 +50,43 @@ def _contrast_within(fit: CurveFit, window: NDArray[np.int64], seed: int) -> Est
     at = np.searchsorted(fit.reading, fit.position - 1e-9)
     noise = rng.standard_normal((draws, len(fit.error))) * (fit.misfit * fit.error)
     # What the reading's error is known to: that of the difference of its two ends.
-    high, low = _worst_places(fit.curve, window)
-    noise *= wobble(rng, draws, fit.freedom(fit.gain[high] - fit.gain[low]))
     curve = fit.curve
-    reader = _Windows(window, float(curve.mean()))
-    of_noise = noise @ fit.gain.T
-    found = reader.unbiased(curve, shape, shape[:, at] @ fit.gain.T, of_noise)
-    by = (_BLUNT_SHARP if fit.is_sharp else _BLUNT) * fit.reading_error
-    blunt = _blunt(curve, window, by)
-    least = reader.unbiased(curve, blunt[None], (fit.gain @ blunt[at])[None], of_noise)
+    high, low = _worst_places(curve, window)
+    noise *= wobble(rng, draws, fit.freedom(fit.gain[high] - fit.gain[low]))
+    smoothed = shape[:, at] @ fit.gain.T
+    reader = _Reader(float(curve.mean()), curve[window], (noise @ fit.gain.T)[:, window])
+    found = reader.unbiased(shape[:, window], smoothed[:, window])
+    level = _level(reader.seen, reader.noise)
+    if np.allclose(level, reader.seen, rtol=1e-9):
+        return found
+    level = level[None] - reader.mean
+    least = reader.unbiased(level, level)
     return Estimate.within(found.value, min(least.low, found.low), found.high)
 
 
-def _blunt(
-    curve: NDArray[np.float64], window: NDArray[np.int64], by: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return a curve (k,), less its mean, whose top and bottom in each window are cut off.
+def _level(seen: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return curves (w, m) in which all places are alike that may be so; noise: (draws, w, m).
 
-    By so much (k,), and by 45 % of the range at most. Where several places of the truth are nearly
-    as high, the noise makes one of them the highest, in the points and in each shape drawn from
-    them. Read again, such a shape gains less than the truth did. The least contrast that may have
-    been read as the one seen is that of a shape whose highest places are alike (Andrews and Soares,
-    "Inference for parameters defined by moment inequalities using generalized moment selection",
-    2010).
+    Where several places of the truth are nearly as high, the noise makes one of them the highest,
+    in the points and in each shape drawn from them. Read again, such a shape gains less than the
+    truth did. The least contrast that may have been read as the one seen is that of curves whose
+    likely rivals, places with an error of their own, are as high as the highest, and whose pitches
+    are as uneven as the worst (Andrews and Soares, "Inference for parameters defined by moment
+    inequalities using generalized moment selection", 2010).
     """
-    found = curve.copy()
-    for one in window:
-        within = curve[one]
-        most = _MOST_BLUNT * np.ptp(within)
-        top = within.max() - min(by[one][np.argmax(within)], most)
-        bottom = within.min() + min(by[one][np.argmin(within)], most)
-        found[one] = within.clip(bottom, top)
-    return found - found.mean()
+    found, most = seen.copy(), _MOST * np.ptp(seen, axis=1, keepdims=True)
+    for sign in (1, -1):
+        place = np.argmax(sign * seen, axis=1)[:, None]
+        end, error = np.take_along_axis(seen, place, 1), np.take_along_axis(noise, place[None], 2)
+        below, apart = sign * (end - seen), (error - noise).std(axis=0)
+        alike = (below < np.minimum(_ALIKE * apart, most)) & (apart > error.std(axis=0))
+        found = np.where(alike, end, found)
+    read, each = _contrast(seen), _contrast(seen + noise)
+    worst = int(np.argmax(read))
+    alike = read[worst] - read < _ALIKE * (each[:, [worst]] - each).std(axis=0)
+    size = np.divide(read[worst], read, out=np.ones_like(read), where=alike & (read > 0))
+    middle = found.mean(axis=1, keepdims=True)
+    return middle + size[:, None] * (found - middle)
 
 
 def _worst_places(curve: NDArray[np.float64], window: NDArray[np.int64]) -> tuple[int, int]:
@@ -91,36 +96,35 @@ def _worst_places(curve: NDArray[np.float64], window: NDArray[np.int64]) -> tupl
 
 
 @dataclass(frozen=True, eq=False)
-class _Windows:
-    """Reads the worst contrast of curves (n, k) over windows (w, m) of their readings."""
+class _Reader:
+    """Reads the worst contrast of pitches.
 
-    window: NDArray[np.int64]
+    Attributes
+    ----------
+    mean
+        of the whole curve [cd/m²]
+    seen
+        (w, m), what is read
+    noise
+        (draws, w, m), what the fit reads of noise alone
+    """
+
     mean: float
+    seen: NDArray[np.float64]
+    noise: NDArray[np.float64]
 
-    def read(self, curve: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the contrast of the worst window of each curve, (n,)."""
-        return _contrast(curve[:, self.window]).max(axis=1)
+    def unbiased(self, shape: NDArray[np.float64], smoothed: NDArray[np.float64]) -> Estimate:
+        """Return the true contrasts of which, with noise, that of what is seen is read.
 
-    def unbiased(
-        self,
-        seen: NDArray[np.float64],
-        shape: NDArray[np.float64],
-        smoothed: NDArray[np.float64],
-        noise: NDArray[np.float64],
-    ) -> Estimate:
-        """Return the true contrasts of which, with noise, that of a curve `seen` (k,) is read.
-
-        shape: (draws, k) without level; smoothed: the same as the fit would read them; noise: what
-        the fit reads of noise alone.
+        shape: (draws, w, m) less the mean; smoothed: the same as the fit would read them.
         """
-        within = shape[:, self.window]
-        top, bottom = within.max(axis=2), within.min(axis=2)
+        top, bottom = shape.max(axis=2), shape.min(axis=2)
 
         def readings(contrast: float) -> NDArray[np.float64]:
             size = scale(contrast, self.mean, top, bottom).min(axis=1)
-            return self.read(size[:, None] * smoothed + noise + self.mean)
+            return _contrast(size[:, None, None] * smoothed + self.noise + self.mean).max(axis=1)
 
-        return invert(float(self.read(seen[None])[0]), readings)
+        return invert(float(_contrast(self.seen).max()), readings)
 
 
 def contrast_of_points(
