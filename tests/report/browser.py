@@ -150,7 +150,8 @@ class Firefox(Browser):
                   viewport={"width": width, "height": 900})  # fmt: skip
 
     def run(self, script):
-        found = self.send("script.evaluate", expression=f"JSON.stringify({script}) ?? 'null'",
+        script = f"Promise.resolve({script}).then(found => JSON.stringify(found) ?? 'null')"
+        found = self.send("script.evaluate", expression=script,
                           target={"context": self.context}, awaitPromise=True)  # fmt: skip
         assert found["type"] == "success", found
         return json.loads(found["result"]["value"])

@@ -356,6 +356,16 @@ def test_a_film_is_looked_at_from_farther_off_on_a_phone(browser, export):
     browser.wait(f"{away} > {1.3 * wide}")
 
 
+def test_a_page_whose_width_changes_draws_on(browser, export):
+    browser.errors.clear()
+    browser.open((export / "report.html").as_uri())
+    browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    for width in (900, 1200, 390, 1200):
+        browser.width(width)
+        browser.run("new Promise(done => setTimeout(done, 400))")
+    assert browser.errors == []
+
+
 @pytest.mark.parametrize("paper", [A4, LETTER])
 def test_a_printed_page_shows_the_whole_verdict(browser, export, paper):
     browser.open((export / "report.html").as_uri())

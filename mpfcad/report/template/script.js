@@ -30,7 +30,9 @@ function draw(place, width) {
   const text = JSON.stringify(place.figure.data);
   const data = JSON.parse(width === undefined ? lit(text) : text);
   if (narrow) lieDown(data);
-  Plotly.react(place, data, layout, place.figure.config);
+  // Margins of another width would stay with the plot.
+  if (place.drawn) Plotly.purge(place);
+  Plotly.newPlot(place, data, layout, place.figure.config);
   place.drawn = true;
 }
 // A place that is narrower than high shows a scene's height: from farther off its width, too.
