@@ -14,8 +14,9 @@ def size_words(size: tuple[float, ...], number: str) -> str:
 
 
 def range_words(curvature: NDArray[Any]) -> str:
-    """Return the least and the largest curvature [1/mm]."""
-    return f"{curvature.min():.4g} … {curvature.max():.4g}"
+    """Return the least and the largest curvature [1/mm]; once where they are the same."""
+    low, high = f"{curvature.min():.4g}", f"{curvature.max():.4g}"
+    return low if low == high else f"{low} … {high}"
 
 
 def view_text(what: str, how: str, file: str = "film.stl") -> str:
