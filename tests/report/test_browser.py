@@ -28,7 +28,7 @@ PLOTS = (
 )  # fmt: skip
 #: Phone to 4K.
 WIDTHS = (390, 768, 1200, 1920, 3840)
-#: Pages of paper that the export below takes at most: 12 on A4, 14 on Letter, and room for other fonts.
+#: Pages of paper that the export below takes at most (A4 12, Letter 14), and room for other fonts.
 PAGES = 15
 A4, LETTER = (8.27, 11.69), (8.5, 11.0)
 OVERFLOWING = """
