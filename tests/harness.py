@@ -12,6 +12,7 @@ from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.element import BSDF, SHEET, SLAB, TABLE
 from mpfcad.optics.engine import trace_paths
 from mpfcad.optics.film.passage import INDEX, INDEX_BELOW, film_passage, placed_film_passage
+from mpfcad.optics.lowering import COLUMNS
 from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.slab import slab_passage
@@ -282,7 +283,7 @@ def pass_layers(scene, enter_below, seed, out):
 def pass_film(tiles, index, up, start, seed, out):
     """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
     rng = np.zeros(RNG_SIZE, np.uint64)
-    film = np.zeros(12)
+    film = np.zeros(COLUMNS)
     film[INDEX], film[INDEX_BELOW] = index, 1.0
     phase = np.zeros((1, 2))
     for i in range(len(start)):

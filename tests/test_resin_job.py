@@ -44,11 +44,24 @@ def test_particles_of_the_job_are_inputs_of_the_stack(tmp_path):
         ({**PARTICLES, "asymmetry": 0.5}, "asymmetry"),
         ({"particle_radius_um": 5.0}, "either"),
         ({"scattering_per_mm": -1.0}, "scattering_per_mm"),
+        ({"index": 0.99}, "index"),
+        ({"absorption_per_mm": -0.1}, "absorption_per_mm"),
+        ({"index": 1.5, "particle_radius_um": 5.0}, "either"),
     ],
 )
 def test_a_resin_is_given_in_one_way(table, words):
     with pytest.raises(InputError, match=words):
         build_job(job(resin=table), "a.toml")
+
+
+def test_a_resin_of_its_own_index_needs_the_prisms(tmp_path):
+    plan = read_plan(build_job(job(resin={"index": 1.49}), "a.toml"), tmp_path / "a.toml")
+    assert plan.stack.resin_differs and plan.stack.needs_prism and not plan.stack.resin_scatters
+    write_stack_meshes(plan, tmp_path, SILENT)
+    assert (tmp_path / PRISM_FILE).is_file()
+    index = plan.stack["film_index"]
+    same = read_plan(build_job(job(resin={"index": index}), "a.toml"), tmp_path / "a.toml")
+    assert not same.stack.needs_prism
 
 
 def test_meshes_of_the_stack_are_in_the_export(tmp_path):

@@ -31,7 +31,7 @@ def check_layers(where: str, stack: Stack) -> None:
 
 
 def _check_film_layers(where: str, stack: Stack) -> None:
-    """Raise unless each layer of the film has index and thickness, and the film its plain place."""
+    """Raise unless each layer of the film has index and thickness, and the film a place for it."""
     given = [key for key in FILM_RANGES if key in stack.quantity]
     for layer in FILM_LAYERS:
         stated = [key for key in given if key.startswith(layer)]
@@ -40,7 +40,15 @@ def _check_film_layers(where: str, stack: Stack) -> None:
                 raise InputError(
                     f"{where}: value.{layer}_{need}: missing: expected with {stated[0]}"
                 )
-    if given and not {"film", "bonded_film"} & set(stack.layers):
+    own = stack.own.get(stack.slot) if stack.slot else None
+    if given and not stack.has_slot:
+        raise InputError(f"{where}: value.{given[0]}: the stack has no place of the job's film")
+    if own is not None and "film_absorption_per_mm" in given:
         raise InputError(
-            f"{where}: value.{given[0]}: no layer 'film' or 'bonded_film': expected one of them"
+            f"{where}: value.film_absorption_per_mm: the film's layer states its own: expected "
+            f"{own.name}.absorption_per_mm"
+        )
+    if own is not None and own.flipped and any(k.startswith(FILM_LAYERS) for k in given):
+        raise InputError(
+            f"{where}: layers: {own.name}: flipped: a film with base or primer: expected upright"
         )

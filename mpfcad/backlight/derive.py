@@ -84,7 +84,8 @@ def _scattering(where: str, body: str, quantity: dict[str, Quantity]) -> dict[st
     assert particles is not None  # none is missing
     tags = {quantity[key].tag for key in keys}
     tag: Tag = "assumed" if "assumed" in tags else "sourced" if "sourced" in tags else "given"
-    source = f"Mie's theory, from {', '.join(keys)}, {MEDIUM[body]}, light_wavelength_nm"
+    medium = f"{body}_index" if f"{body}_index" in quantity else MEDIUM[body]
+    source = f"Mie's theory, from {', '.join(keys)}, {medium}, light_wavelength_nm"
     return {
         "light_wavelength_nm": wavelength,
         f"{body}_scattering_per_mm": Quantity(particles.scattering, tag, source),

@@ -1,8 +1,9 @@
-"""Refractive indices that depend on the wavelength, at the stack's wavelength.
+"""Values that depend on the wavelength, at the stack's wavelength.
 
 An index may be given by its material: `{ cauchy = [A, B, C] }` is n = A + B/λ² + C/λ⁴,
-`{ sellmeier = [B1, C1, B2, C2, …] }` is n² = 1 + Σ B λ²/(λ² - C) (W. Sellmeier, 1871), λ in µm, and
-`{ table_nm = [[450, 1.51], …] }` is linear between its wavelengths.
+`{ sellmeier = [B1, C1, B2, C2, …] }` is n² = 1 + Σ B λ²/(λ² - C) (W. Sellmeier, 1871), λ in µm.
+`{ table_nm = [[450, 1.51], …] }` is linear between its wavelengths; an absorption coefficient, a
+reflectance or a transmission may be such a table too.
 """
 
 import math
@@ -14,6 +15,13 @@ import numpy as np
 from mpfcad.errors import InputError
 
 LAWS = ("cauchy", "sellmeier", "table_nm")
+#: Ends of the names of values that may follow a law, and the laws that they may follow.
+SPECTRAL = {
+    "index": LAWS,
+    "absorption_per_mm": ("table_nm",),
+    "reflectance": ("table_nm",),
+    "transmission": ("table_nm",),
+}
 #: Where a stack states no wavelength.
 DEFAULT_WAVELENGTH_NM = 550.0
 _MOST = 10
@@ -30,22 +38,24 @@ def dispersed(where: str, key: str, entry: Any, wavelength_nm: object) -> Any:
     if not isinstance(entry, Mapping) or not set(entry) & set(LAWS):
         return entry
     laws = sorted(set(entry) & set(LAWS))
-    if not key.endswith("index") or len(laws) > 1 or "value" in entry:
-        raise InputError(f"{where}.{key}: {', '.join(sorted(entry))}: expected one law of an index")
+    known = next((SPECTRAL[end] for end in SPECTRAL if key.endswith(end)), ())
+    if laws[0] not in known or len(laws) > 1 or "value" in entry:
+        expected = f"one of {', '.join(known)}" if known else "a number"
+        raise InputError(f"{where}.{key}: {', '.join(sorted(entry))}: expected {expected}")
     if isinstance(wavelength_nm, Mapping):
         wavelength_nm = wavelength_nm.get("value")
     if not isinstance(wavelength_nm, int | float) or isinstance(wavelength_nm, bool):
         raise InputError(
             f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm}: expected a number"
         )
-    index = _index(f"{where}.{key}: {laws[0]}", laws[0], entry[laws[0]], float(wavelength_nm))
+    number = _number(f"{where}.{key}: {laws[0]}", laws[0], entry[laws[0]], float(wavelength_nm))
     rest = {name: value for name, value in entry.items() if name not in LAWS}
     said = f"{laws[0]} at {wavelength_nm:g} nm"
-    return {**rest, "value": index, "source": f"{rest.get('source', 'given by the user')}; {said}"}
+    return {**rest, "value": number, "source": f"{rest.get('source', 'given by the user')}; {said}"}
 
 
-def _index(where: str, law: str, numbers: object, wavelength_nm: float) -> float:
-    """Return the index at a wavelength."""
+def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> float:
+    """Return the value that a law has at a wavelength."""
     try:
         values = np.array(numbers, float)
     except (TypeError, ValueError):
@@ -71,6 +81,6 @@ def _index(where: str, law: str, numbers: object, wavelength_nm: float) -> float
             )
         return float(np.interp(wavelength_nm, values[:, 0], values[:, 1]))
     expected = {
-        "cauchy": "A, B, C", "sellmeier": "pairs B, C", "table_nm": "rising [wavelength, index]",
+        "cauchy": "A, B, C", "sellmeier": "pairs B, C", "table_nm": "rising [wavelength, value]",
     }  # fmt: skip
     raise InputError(f"{where}: {numbers}: expected {expected[law]}")

@@ -1,25 +1,29 @@
-"""The job's film with layers of its own: base and primer under the prisms, each of its index.
+"""The job's film as its materials: base and primer under the prisms, resin in their grooves.
 
 The film's mesh is one solid. What of it lies under the prisms becomes bonded slabs, with Fresnel
-reflection where the index changes and absorption along the path; the prisms keep what is left.
+reflection where the index changes and absorption along the path; the prisms keep what is left. A
+resin that scatters or is of another material is told from the prisms by their own mesh.
 """
 
 from dataclasses import replace
 
+from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
-from mpfcad.optics.element import Element, Film, Slab
+from mpfcad.optics.element import Element, Film, LibraryFilm, Slab
 from mpfcad.optics.film.resin import Resin
-from mpfcad.optics.solid.mesh import FilmMesh
-from mpfcad.units import um
+from mpfcad.optics.library.piece import Library
+from mpfcad.optics.search.chain import build_chain
+from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
+from mpfcad.units import deg, um
 
 #: What must be left of the prisms' material under the deepest valley [mm].
 _LEAST = 1e-6
 
 
 def lower_film(
-    stack: Stack, mesh: FilmMesh, resin: Resin | None, index_below: float, offset: float
+    stack: Stack, mesh: FilmMesh | Library, index_below: float, offset: float
 ) -> list[Element]:
     """Return the film's elements from below: its layers as bonded slabs, then the prisms.
 
@@ -29,7 +33,8 @@ def lower_film(
     Raises
     ------
     InputError
-        when the layers are as thick as the film under its valleys, or it has no flat underside.
+        when the layers are as thick as the film under its valleys, it has no flat underside, or
+        the mesh of the prisms is missing or none of this film.
     """
     elements: list[Element] = []
     below, thickness = index_below, 0.0
@@ -37,22 +42,90 @@ def lower_film(
         if f"{layer}_thickness_um" not in stack.quantity:
             continue
         height, index = stack[f"{layer}_thickness_um"] * um, stack[f"{layer}_index"]
-        absorption = _optional(stack, f"{layer}_absorption_per_mm")
+        absorption = stack.get(f"{layer}_absorption_per_mm")
         words = layer.replace("_", " ")
         elements.append(
             Slab(index, height, 0.0, absorption, bonded=True, name=words, index_below=below)
         )
         below, thickness = index, thickness + height
+    if isinstance(mesh, Library):
+        return [*elements, _library(stack, mesh, thickness, below, offset)]
+    resin = _resin(stack, mesh)
     if thickness:
         mesh = _without(stack.name, mesh, thickness)
         resin = resin and replace(resin, prism=_without(stack.name, resin.prism, thickness))
-    absorption = _optional(stack, "film_absorption_per_mm")
-    film = Film(mesh, stack["film_index"], below, offset, resin=resin, absorption=absorption)
+    name, rotation, flipped = _lie(stack)
+    film = Film(
+        mesh, stack.of_film("index"), below, offset, None, name, rotation=rotation,
+        flipped=flipped, resin=resin, absorption=stack.of_film("absorption_per_mm"),
+    )  # fmt: skip
     return [*elements, film]
 
 
-def _optional(stack: Stack, key: str) -> float:
-    return stack[key] if key in stack.quantity else 0.0
+def _lie(stack: Stack) -> tuple[str, float, bool]:
+    """Return the film's name in words, its angle [rad] and whether it lies upside down."""
+    slot = stack.slot
+    own = stack.own.get(slot) if slot else None
+    if slot is None or own is None:
+        return "film", 0.0, False
+    return slot.replace("_", " "), stack[f"{slot}.rotation_deg"] * deg, own.flipped
+
+
+def _library(
+    stack: Stack, library: Library, thickness: float, below: float, offset: float
+) -> LibraryFilm:
+    """Return the film as a library of pieces, without the layers of this thickness [mm] under it.
+
+    Raises
+    ------
+    InputError
+        when it is upside down, absorbs, or its resin is of another material than its prisms.
+    """
+    name, rotation, flipped = _lie(stack)
+    if flipped or stack.of_film("absorption_per_mm") > 0 or stack.needs_prism:
+        raise InputError(
+            f"{stack.name}: a film of instances: expected upright, clear, and resin as the prisms"
+        )
+    if thickness:
+        _refuse_thick(stack.name, thickness, min(float(s[:, 1].min()) for s in library.section))
+        library = replace(
+            library, section=tuple(corner - (0.0, thickness) for corner in library.section)
+        )
+    return LibraryFilm(library, stack.of_film("index"), below, offset, name, rotation)
+
+
+def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
+    """Return what lies in the grooves; None where light takes it for the prisms' own material."""
+    if not stack.needs_prism:
+        return None
+    if stack.prism is None:
+        raise InputError(
+            f"{stack.name}: resin that scatters or is of another material: "
+            "expected the mesh of the film without resin (--prism)"
+        )
+    prism = read_film_mesh(stack.prism)
+    if build_chain(prism) is None:
+        raise InputError(f"{stack.prism}: prisms under the resin: expected prisms drawn along y")
+    if prism.size[0] != mesh.size[0]:
+        raise InputError(
+            f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: expected as wide "
+            f"as the film, {mesh.size[0]:g} mm"
+        )
+    particles = build_particles(stack.quantity, "resin")
+    own = {key: stack[f"resin_{key}"] if f"resin_{key}" in stack.quantity else None
+           for key in ("index", "absorption_per_mm")}  # fmt: skip
+    return Resin(
+        prism, stack.get("resin_scattering_per_mm"), stack.get("resin_asymmetry"),
+        None if particles is None else particles.phase(), own["index"], own["absorption_per_mm"],
+    )  # fmt: skip
+
+
+def _refuse_thick(name: str, thickness: float, lowest: float) -> None:
+    if not thickness <= lowest - _LEAST:
+        raise InputError(
+            f"{name}: film layers: {thickness / um:g} µm thick together: expected less than the "
+            f"{lowest / um:g} µm under the film's valleys"
+        )
 
 
 def _without(name: str, mesh: FilmMesh, thickness: float) -> FilmMesh:
@@ -60,11 +133,7 @@ def _without(name: str, mesh: FilmMesh, thickness: float) -> FilmMesh:
     if not mesh.underside:
         raise InputError(f"{name}: film layers: the film has no flat underside: expected one")
     lowest = float(mesh.vertex[mesh.used, 2].min())
-    if not thickness <= lowest - _LEAST:
-        raise InputError(
-            f"{name}: film layers: {thickness / um:g} µm thick together: expected less than the "
-            f"{lowest / um:g} µm under the film's valleys"
-        )
+    _refuse_thick(name, thickness, lowest)
     vertex = mesh.vertex - (0.0, 0.0, thickness)
     width, length, high = mesh.size
     return FilmMesh(vertex, mesh.top, (width, length, high - thickness), note=mesh.note)

@@ -8,14 +8,11 @@ import numpy as np
 
 from mpfcad.backlight.film_layer import lower_film
 from mpfcad.backlight.particle import build_particles
-from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import BsdfSheet, Element, Film, LibraryFilm, Sheet, Slab
-from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.library.file import is_library_file, read_library
 from mpfcad.optics.library.piece import Library
-from mpfcad.optics.search.chain import build_chain
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.units import deg, um
 
@@ -37,23 +34,20 @@ def lower_stack(
         raise InputError(f"stack {stack.name}: {what}")
     elements: list[Element] = [stack.source.lower(stack.tables)]
     for i, layer in enumerate(stack.layers):
-        if layer in stack.own:
-            elements.append(_own_layer(stack, layer, mesh, offset))
-        elif stack.kind_of(layer) == "plate":
-            bonded = i + 1 < len(stack.layers) and stack.layers[i + 1] == "bonded_film"
-            elements.append(_plate(stack, layer == "diffusing_plate", bonded))
-        elif stack.kind_of(layer) == "sheet":
-            sigma, transmission = stack[f"{layer}_sigma"], stack["sheet_transmission"]
-            elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
-        else:
+        if stack.is_slot(layer):
             under = elements[-1]
             is_bonded = layer == "bonded_film"
             below = under.index if is_bonded and isinstance(under, Slab) else 1.0
             assert mesh is not None  # a stack with a slot has one
-            if isinstance(mesh, Library):
-                elements.append(_library(stack, mesh, below, offset))
-            else:
-                elements += lower_film(stack, mesh, _resin(stack, mesh), below, offset)
+            elements += lower_film(stack, mesh, below, offset)
+        elif layer in stack.own:
+            elements.append(_own_layer(stack, layer))
+        elif stack.kind_of(layer) == "plate":
+            bonded = i + 1 < len(stack.layers) and stack.layers[i + 1] == "bonded_film"
+            elements.append(_plate(stack, layer == "diffusing_plate", bonded))
+        else:
+            sigma, transmission = stack[f"{layer}_sigma"], stack["sheet_transmission"]
+            elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
     return elements
 
 
@@ -74,29 +68,8 @@ def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
     return Slab(stack["plate_index"], stack["plate_thickness_mm"], bonded=bonded, **volume)
 
 
-def _resin(stack: Stack, mesh: FilmMesh | None) -> Resin | None:
-    if not stack.resin_scatters:
-        return None
-    if stack.prism is None:
-        raise InputError(
-            f"{stack.name}: resin that scatters: "
-            "expected the mesh of the film without resin (--prism)"
-        )
-    prism = read_film_mesh(stack.prism)
-    if build_chain(prism) is None:
-        raise InputError(f"{stack.prism}: prisms under the resin: expected prisms drawn along y")
-    if mesh is None or prism.size[0] != mesh.size[0]:
-        raise InputError(
-            f"{stack.prism}: prisms under the resin: {prism.size[0]:g} mm wide: expected as wide "
-            f"as the film, {mesh.size[0] if mesh else 0:g} mm"
-        )
-    particles = build_particles(stack.quantity, "resin")
-    phase = None if particles is None else particles.phase()
-    return Resin(prism, stack["resin_scattering_per_mm"], stack["resin_asymmetry"], phase)
-
-
-def _own_layer(stack: Stack, name: str, mesh: FilmMesh | Library | None, offset: float) -> Element:
-    """Return the element of a layer with values of its own."""
+def _own_layer(stack: Stack, name: str) -> Element:
+    """Return the element of a layer with values of its own that is not the job's film."""
     layer = stack.own[name]
     if layer.kind == "bsdf":
         table = stack.tables[name]
@@ -114,46 +87,26 @@ def _own_layer(stack: Stack, name: str, mesh: FilmMesh | Library | None, offset:
         return Slab(value("index"), value("thickness_mm"), *volume, bonded, words)
     if layer.kind == "sheet":
         return Sheet(value("sigma"), value("index"), value("transmission"), words)
-    resin = None
+    mesh: FilmMesh | Library
     if layer.kind == "bef":
-        mesh, offset = (
-            _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base"))),
-            0.0,
-        )
-    elif layer.file is not None:
-        mesh, offset = read_film(Path(layer.file)), 0.0
-    elif mesh is not None:
-        resin = None if isinstance(mesh, Library) else _resin(stack, mesh)
-    assert mesh is not None  # a stack with a slot has one
+        mesh = _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base")))
+    else:
+        assert layer.file is not None  # else it is the job's film
+        mesh = read_film(Path(layer.file))
     rotation, absorption = value("rotation_deg") * deg, value("absorption_per_mm")
     if isinstance(mesh, Library):
-        _refuse_library(words, layer.flipped or absorption > 0 or resin is not None)
-        return LibraryFilm(mesh, value("index"), 1.0, offset, words, rotation)
+        if layer.flipped or absorption > 0:
+            raise InputError(f"{words}: a film of instances: expected upright and clear")
+        return LibraryFilm(mesh, value("index"), 1.0, 0.0, words, rotation)
     return Film(
-        mesh, value("index"), 1.0, offset, None, words, rotation=rotation,
-        flipped=layer.flipped, resin=resin, absorption=absorption,
+        mesh, value("index"), name=words, rotation=rotation, flipped=layer.flipped,
+        absorption=absorption,
     )  # fmt: skip
 
 
 def printed_films(elements: Iterable[Element]) -> set[str]:
     """Return the names of the films that are libraries of pieces, as a print under LEDs is."""
     return {one.name for one in elements if isinstance(one, LibraryFilm)}
-
-
-def _library(stack: Stack, library: Library, below: float, offset: float) -> LibraryFilm:
-    """Return the element of the job's film as a library of pieces."""
-    names = [f"{layer}_thickness_um" for layer in FILM_LAYERS]
-    absorbs = "film_absorption_per_mm" in stack.quantity and stack["film_absorption_per_mm"] > 0
-    layered = any(name in stack.quantity for name in names)
-    _refuse_library(stack.name, absorbs or layered or stack.resin_scatters)
-    return LibraryFilm(library, stack["film_index"], below, offset)
-
-
-def _refuse_library(name: str, wrong: bool) -> None:
-    if wrong:
-        raise InputError(
-            f"{name}: a film of instances: expected upright, clear, and of one material"
-        )
 
 
 def read_film(path: Path) -> FilmMesh | Library:

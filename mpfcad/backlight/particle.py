@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mpfcad.backlight.quantity import Quantity
 from mpfcad.units import nm, um
 
-#: What particles need, and the index around them, by the body that they are in.
+#: What particles need, and the index around them, by the body that they are in, unless it has its
+#: own.
 PARTICLE = ("particle_radius_um", "particle_index", "particle_density_per_mm3")
 MEDIUM = {"plate": "plate_index", "resin": "film_index"}
 
@@ -75,7 +76,8 @@ def build_particles(quantity: dict[str, Quantity], body: str) -> Particles | Non
         return None
     radius, index, density = (quantity[f"{body}_{name}"].value for name in PARTICLE)
     wavelength = quantity["light_wavelength_nm"].value * nm
-    return Particles(radius * um, index, quantity[MEDIUM[body]].value, density, wavelength)
+    medium = quantity.get(f"{body}_index", quantity[MEDIUM[body]]).value
+    return Particles(radius * um, index, medium, density, wavelength)
 
 
 @lru_cache(maxsize=256)

@@ -51,10 +51,13 @@ PARTICLE_RANGES = {
     "resin_asymmetry": (-0.99, 0.99),
     "light_wavelength_nm": (200.0, 2000.0),
 }
-#: Layers of a film under its prisms, from below, and what each states; all may be left out.
+#: Layers of a film under its prisms, from below, and what each states, as does the resin in its
+#: grooves; all may be left out.
 FILM_LAYERS = ("film_base", "film_primer")
 FILM_RANGES = {
     "film_absorption_per_mm": (0.0, 100.0),
+    "resin_index": (1.0, 4.0),
+    "resin_absorption_per_mm": (0.0, 100.0),
     **{f"{layer}_index": (1.0, 4.0) for layer in FILM_LAYERS},
     **{f"{layer}_thickness_um": (0.01, 10_000.0) for layer in FILM_LAYERS},
     **{f"{layer}_absorption_per_mm": (0.0, 100.0) for layer in FILM_LAYERS},

@@ -43,7 +43,7 @@ class Stack:
     tables
         by the layer's name, BSDF tables; `reflector`: one in the place of the reflector's values
     prism
-        mesh file of the job's film without resin: needed where the resin scatters
+        mesh file of the job's film without resin: needed where light sees its surface under it
     spec
         the kind of light source, and what of it is no number
     """
@@ -61,6 +61,15 @@ class Stack:
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
         return self.quantity[name].value
+
+    def get(self, name: str, default: float = 0.0) -> float:
+        """Return a value in the unit of its name, or another number where there is none."""
+        return self[name] if name in self.quantity else default
+
+    def of_film(self, key: str) -> float:
+        """Return `index` or `absorption_per_mm` of the prisms in the job's film."""
+        slot = self.slot
+        return self[f"{slot}.{key}"] if slot in self.own else self.get(f"film_{key}")
 
     @property
     def panel_width(self) -> float:
@@ -103,6 +112,19 @@ class Stack:
         return "resin_scattering_per_mm" in self.quantity and self["resin_scattering_per_mm"] > 0
 
     @property
+    def resin_differs(self) -> bool:
+        """Whether the film's fill is of another index or absorption than its prisms."""
+        return any(
+            self.get(f"resin_{key}", prisms) != prisms
+            for key, prisms in ((k, self.of_film(k)) for k in ("index", "absorption_per_mm"))
+        )
+
+    @property
+    def needs_prism(self) -> bool:
+        """Whether light sees where the resin ends and the prisms begin."""
+        return self.has_slot and (self.resin_scatters or self.resin_differs)
+
+    @property
     def sheet_count(self) -> int:
         """Number of layers that are handled on their own: a film bonded on a plate is not."""
         return sum(layer != "bonded_film" for layer in self.layers)
@@ -123,9 +145,14 @@ class Stack:
         return layer.endswith("film")
 
     @property
+    def slot(self) -> str | None:
+        """The layer that is the place of the job's film."""
+        return next(filter(self.is_slot, self.layers), None)
+
+    @property
     def has_slot(self) -> bool:
         """Whether there is a place for the job's film."""
-        return any(map(self.is_slot, self.layers))
+        return self.slot is not None
 
     @property
     def table_layers(self) -> list[str]:
@@ -147,6 +174,11 @@ class Stack:
     def with_prism(self, prism: Path | None) -> "Stack":
         """Return the stack with the mesh file of the film without resin."""
         return replace(self, prism=prism)
+
+    def without_resin(self) -> "Stack":
+        """Return the stack for a film whose grooves are empty."""
+        kept = {k: q for k, q in self.quantity.items() if not k.startswith("resin_")}
+        return replace(self, quantity=kept)
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
         """Return the stack with some quantities replaced."""

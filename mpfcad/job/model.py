@@ -130,21 +130,26 @@ class StackTable(Table):
 
 
 class ResinTable(Table):
-    """`[resin]`: particles in the fill, or what they scatter; none: a clear resin."""
+    """`[resin]`: the fill's own material, particles in it, or what they scatter; else as prisms."""
 
     particle_radius_um: Positive | None = None
     particle_index: Annotated[Positive, Field(ge=1, le=4)] | None = None
     particle_density_per_mm3: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
     scattering_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
     asymmetry: Annotated[float, Field(ge=-0.99, le=0.99)] | None = None
+    index: Annotated[float, Field(ge=1, le=4)] | None = None
+    absorption_per_mm: Annotated[float, Field(ge=0, le=100)] | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> "ResinTable":
         particles = (self.particle_radius_um, self.particle_index, self.particle_density_per_mm3)
+        material = self.index is not None or self.absorption_per_mm is not None
+        if material and particles == (None, None, None) and self.scattering_per_mm is None:
+            return self
         if (None in particles) == (self.scattering_per_mm is None):
             raise ValueError(
                 "give either particle_radius_um, particle_index and particle_density_per_mm3, or "
-                "scattering_per_mm"
+                "scattering_per_mm, or index or absorption_per_mm alone"
             )
         if any(p is not None for p in particles) and self.asymmetry is not None:
             raise ValueError("particles have their own asymmetry: leave it out")

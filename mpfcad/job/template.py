@@ -24,7 +24,7 @@ profile = "filled"              # resin in a BEF, printable for C <= 80 /mm; "id
 pitch_um = 50.0                 # of pitch_um, depth_um and prism_angle_deg (90) give two:
 depth_um = 25.0                 # the third follows
 base_um = 200.0                 # thickness below the valleys
-# refractive_index = 1.55       # of prism and resin; the stack's when left out
+# refractive_index = 1.55       # of the prisms; the stack's when left out
 # How the film is really made, with the resin that the mask gives: see docs/cad.md
 # tip_radius_um = 1.0           # rounded tips, and valleys of the bare prisms
 # valley_radius_um = 1.0

@@ -140,7 +140,7 @@ class Film(Mirrored):
     mesh
         the tile
     index
-        refractive index
+        refractive index of the prisms, and of a resin that has none of its own
     index_below
         that of the medium under it: 1, or the slab's on which it is bonded
     offset
@@ -152,9 +152,9 @@ class Film(Mirrored):
     flipped
         whether it lies upside down, turned over about the middle line of its tile along y
     resin
-        a fill that scatters, if it does
+        a fill that scatters or is of another material than the prisms, if it is
     absorption
-        coefficient [1/mm] of prism and resin
+        coefficient [1/mm] of the prisms, and of a resin that has none of its own
     """
 
     mesh: FilmMesh
@@ -174,6 +174,15 @@ class Film(Mirrored):
         refuse_unsound(f"{self.name}.absorption", self.absorption, 0.0)
         refuse_unsound(f"{self.name}.offset", self.offset)
         refuse_unsound(f"{self.name}.rotation", self.rotation)
+
+    @property
+    def is_of_two(self) -> bool:
+        """Whether the resin is of another index or absorption than the prisms."""
+        own = (self.resin.index, self.resin.absorption) if self.resin else ()
+        return any(
+            value not in (None, prisms)
+            for value, prisms in zip(own, (self.index, self.absorption), strict=False)
+        )
 
     def is_mirrored(self, period: float) -> bool:
         """Tell whether the tile repeats so often in a cell that its side does not count."""

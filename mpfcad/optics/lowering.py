@@ -34,7 +34,7 @@ from mpfcad.optics.element import (
 from mpfcad.optics.film import passage as film
 
 #: Columns of a row: as many as the kind with most of them needs.
-COLUMNS = 14
+COLUMNS = 15
 
 
 class Rows:
@@ -169,6 +169,13 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
             film.PHASE: shared.phase_row(resin.phase),
             film.PRISM: shared.tiles.number((id(resin.prism), "chain"), (resin.prism, "chain")),
         }
+        if placed.is_of_two:
+            index, absorption = resin.index, resin.absorption
+            columns |= {
+                film.RESIN_INDEX: placed.index if index is None else index,
+                film.RESIN_ABSORPTION: placed.absorption if absorption is None else absorption,
+                film.THINNEST: resin.thinnest,
+            }
     return columns
 
 

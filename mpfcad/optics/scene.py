@@ -36,9 +36,9 @@ class Scene(NamedTuple):
     kind
         (e,) int64, element kinds from the bottom up
     parameter
-        (e, 14) float64, each element's values in the columns that its kernel names (`lowering`)
+        (e, COLUMNS) float64, each element's values in columns that its kernel names (`lowering`)
     tiles
-        the tiles of the films and of the prisms under scattering resin
+        the tiles of the films and of the prisms under their resin
     phase
         (r, STEPS+1) float64, tabulated phase functions
     library
@@ -124,7 +124,7 @@ def _check_order(elements: list[Element]) -> None:
         if isinstance(element, Film) and hanging and (element.index_below != 1 or element.resin):
             raise InputError(
                 f"{element.name}: mesh without flat underside: needs one to be bonded or to hold "
-                "scattering resin"
+                "resin that scatters or is of another material"
             )
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded:

@@ -11,6 +11,7 @@ from mpfcad.backlight import read_stack
 from mpfcad.backlight.lower import lower_stack
 from mpfcad.errors import InputError, TraceError
 from mpfcad.optics.element import Film, Slab
+from mpfcad.optics.library.piece import Library
 from mpfcad.optics.scene import build_scene
 
 MIXED = [groove(60.0, chords=6), groove(45.0, chords=6)]
@@ -150,3 +151,50 @@ def test_layers_thicker_than_the_film_are_refused(tmp_path):
         build_scene([PET, Film(mesh, 1.5)])
     with pytest.raises(InputError, match="absorption"):
         Film(mesh, 1.5, absorption=-1.0)
+
+
+def test_a_slot_with_values_of_its_own_has_the_films_layers_too(tmp_path):
+    path = tmp_path / "stack.toml"
+    slot = '{ kind = "film", name = "turned", rotation_deg = 30, index = 1.52 }'
+    layers = f'layers = ["clear_plate", {slot}]\n'
+    values = "[value]\nfilm_base_index = 1.65\nfilm_base_thickness_um = 125\n"
+    path.write_text(f'extends = "thesis-32in-mpf"\n{layers}{values}')
+    mesh = film_mesh(tmp_path, MIXED)
+    elements = lower_stack(read_stack(path), mesh)
+    assert [one.name for one in elements] == ["cavity", "plate", "film base", "turned"]
+    film = elements[-1]
+    assert (film.index, film.index_below, film.rotation) == (1.52, 1.65, math.radians(30))
+    build_scene(elements)
+    path.write_text(
+        'extends = "thesis-32in-mpf"\n'
+        f"{layers.replace('rotation_deg = 30', 'flipped = true')}{values}"
+    )
+    with pytest.raises(InputError, match="turned: flipped: a film with base or primer"):
+        read_stack(path)
+    path.write_text(f'extends = "thesis-32in-mpf"\n{layers}[value]\nfilm_absorption_per_mm = 0.1\n')
+    with pytest.raises(InputError, match=r"expected turned\.absorption_per_mm"):
+        read_stack(path)
+
+
+def test_a_library_of_pieces_has_base_and_primer(tmp_path):
+    path = tmp_path / "stack.toml"
+    text = (
+        'extends = "thesis-32in-mpf"\n[value]\nfilm_base_index = 1.65\n'
+        "film_base_thickness_um = 125\nfilm_base_absorption_per_mm = 0.1\n"
+    )
+    path.write_text(text)
+    x, z = groove(60.0, chords=6)
+    piece = np.stack([x - x[0], z + 0.15], axis=1)
+    library = Library(0.05, 0.05, (piece,), np.zeros((2, 2), np.int64))
+    as_pieces = lower_stack(read_stack(path), library)[-3:]
+    as_mesh = lower_stack(read_stack(path), film_mesh(tmp_path, [(x, z)]))[-3:]
+    assert [one.name for one in as_pieces] == [one.name for one in as_mesh]
+    assert as_pieces[1].index_below == as_mesh[1].index_below == 1.65
+    assert as_pieces[1].library.high == pytest.approx(as_mesh[1].mesh.size[2], abs=1e-8)
+    build_scene(as_pieces)
+    path.write_text(text + "resin_index = 1.5\n")
+    with pytest.raises(InputError, match="a film of instances: expected upright, clear"):
+        lower_stack(read_stack(path), library)
+    path.write_text(text.replace("125", "155"))
+    with pytest.raises(InputError, match="155 µm thick together"):
+        lower_stack(read_stack(path), library)

@@ -46,10 +46,21 @@ class ReferenceFilm:
     ) -> tuple[bool, Vector, Vector, float, float]:
         """Follow a ray until it leaves the film: (up, place, direction, weight, found)."""
         up, place, d = self._to_film(up, place, d)
-        self.path = 0.0
+        self.path = {False: 0.0, True: 0.0}
         up, place, d = self._inside(up, place, d, rng)
         up, place, d = self._to_stack(up, place, d)
-        return up, place, d, weight * math.exp(-self.film.absorption * self.path), 0.0
+        depth = self.film.absorption * self.path[False] + self._resin_absorption * self.path[True]
+        return up, place, d, weight * math.exp(-depth), 0.0
+
+    def _index(self, resin: bool) -> float:
+        """Return the index of the prisms, or of the resin."""
+        own = self.film.resin.index if resin else None
+        return self.film.index if own is None else own
+
+    @property
+    def _resin_absorption(self) -> float:
+        own = self.film.resin.absorption if self.film.resin else None
+        return self.film.absorption if own is None else own
 
     def _to_film(self, up: bool, place: Vector, d: Vector) -> tuple[bool, Vector, Vector]:
         """Return a ray in the film's own axes, its left edge at x = 0."""
@@ -78,32 +89,74 @@ class ReferenceFilm:
                 return False, o, (d[0], d[1], -d[2])
             d = refract(d, (0.0, 0.0, -1.0), film.index_below, film.index)
             inside = True
+        two, in_resin = film.is_of_two, False
+        scattering = film.resin.scattering if film.resin else 0.0
         while True:
             distance, normal = self._first_facet(o, d, inside)
-            if film.resin and inside:
-                reach = distance if normal else o[2] / -d[2]
-                flown = self._collision(o, d, reach, rng)
-                if flown < reach:
-                    self.path += flown
-                    o = tuple(a + flown * b for a, b in zip(o, d, strict=True))
-                    cosine = scattering_cosine(film.resin.phase, film.resin.asymmetry, rng())
-                    d = about(d, cosine, 2 * math.pi * rng())
-                    continue
+            reach, flown, prism = 0.0, math.inf, None
             if inside:
-                self.path += distance if normal is not None else o[2] / -d[2]
+                reach = distance if normal else o[2] / -d[2]
+            if inside and two:
+                met, n = self._prism_ahead(o, d, in_resin)
+                if (reach - met) * (abs(dot(d, normal)) if normal else 1) > film.resin.thinnest:
+                    reach, prism = met, n
+                if scattering and in_resin:
+                    flown = -math.log(1 - rng()) / scattering
+            elif inside and scattering:
+                flown = self._collision(o, d, reach, rng)
+            self.path[in_resin] += min(reach, flown)
+            if flown < reach:
+                o = tuple(a + flown * b for a, b in zip(o, d, strict=True))
+                cosine = scattering_cosine(film.resin.phase, film.resin.asymmetry, rng())
+                d = about(d, cosine, 2 * math.pi * rng())
+                continue
+            if prism is not None:
+                o = tuple(a + reach * b for a, b in zip(o, d, strict=True))
+                there = not in_resin
+                passed, d = self._interface(
+                    self._index(in_resin), self._index(there), prism, d, rng
+                )
+                in_resin = there if passed else in_resin
+                continue
             if normal is not None:
                 o = tuple(a + distance * b for a, b in zip(o, d, strict=True))
-                inside, d = self._at_facet(inside, normal, d, rng)
+                if two:
+                    in_resin = o[2] - self._prism_height(o[0]) > film.resin.thinnest
+                n_in, n_out = self._index(in_resin), 1.0
+                if not inside:
+                    n_in, n_out = n_out, n_in
+                passed, d = self._interface(n_in, n_out, normal, d, rng)
+                inside = inside != passed
                 continue
             level = self.high if d[2] > 0 else 0.0
             flight = (level - o[2]) / d[2]
             o = (o[0] + flight * d[0], o[1] + flight * d[1], level)
             if not inside:
                 return d[2] > 0, o, d
+            in_resin = False
             if rng() < reflectance(abs(d[2]), film.index, film.index_below):
                 d = (d[0], d[1], -d[2])
                 continue
             return False, o, refract(d, (0.0, 0.0, 1.0), film.index, film.index_below)
+
+    def _prism_ahead(self, o: Vector, d: Vector, in_resin: bool) -> tuple[float, Vector]:
+        """Return (distance, normal) of the prisms' surface ahead, over all walls flown past."""
+        width = self.film.mesh.size[0]
+        level = 0.0 if d[2] < 0 else self.high
+        end = o[0] + (level - o[2]) / d[2] * d[0]
+        best, normal = math.inf, (0.0, 0.0, 1.0)
+        for tile in _tiles(o[0], end, width):
+            for (x0, z0), (x1, z1) in pairwise(self.profile):
+                size = math.hypot(x1 - x0, z1 - z0)
+                n = ((z0 - z1) / size, 0.0, (x1 - x0) / size)
+                rate = dot(d, n)
+                if rate == 0 or (rate > 0) == in_resin:
+                    continue
+                distance = ((x0 + tile * width - o[0]) * n[0] + (z0 - o[2]) * n[2]) / rate
+                hit = o[0] + distance * d[0] - tile * width
+                if -1e-12 < distance < best and x0 <= hit <= x1:
+                    best, normal = distance, n
+        return best, normal
 
     def _collision(self, o: Vector, d: Vector, reach: float, rng: Philox) -> float:
         """Return how far a ray flies in the film until the resin scatters it, or infinity."""
@@ -129,16 +182,16 @@ class ReferenceFilm:
                 return z0 + (z1 - z0) * (x - x0) / (x1 - x0)
         raise ValueError(x)
 
-    def _at_facet(
-        self, inside: bool, normal: Vector, d: Vector, rng: Philox
+    @staticmethod
+    def _interface(
+        n_in: float, n_out: float, normal: Vector, d: Vector, rng: Philox
     ) -> tuple[bool, Vector]:
-        """Pass or reflect a ray at a facet."""
-        n_in, n_out = (self.film.index, 1.0) if inside else (1.0, self.film.index)
-        facing = tuple(-c for c in normal) if inside else normal
+        """Pass or reflect a ray at a surface: (passed, direction)."""
+        facing = normal if dot(d, normal) < 0 else tuple(-c for c in normal)
         if rng() < reflectance(abs(dot(d, normal)), n_in, n_out):
             twice = 2 * dot(d, normal)
-            return inside, tuple(a - twice * b for a, b in zip(d, normal, strict=True))
-        return not inside, refract(d, facing, n_in, n_out)
+            return False, tuple(a - twice * b for a, b in zip(d, normal, strict=True))
+        return True, refract(d, facing, n_in, n_out)
 
     def _first_facet(self, o: Vector, d: Vector, inside: bool) -> tuple[float, Vector | None]:
         """Return (distance, normal) of the first facet, over all tiles the ray flies past."""

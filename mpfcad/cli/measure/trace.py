@@ -30,7 +30,7 @@ def command(
     ] = 0.0,
     prism: Annotated[
         Path | None,
-        typer.Option("--prism", metavar="FILE", help="The film without scattering resin."),
+        typer.Option("--prism", metavar="FILE", help="The film without its resin."),
     ] = None,
     repair: Annotated[
         bool,

@@ -6,13 +6,14 @@ from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
-from mpfcad.optics.film.resin import collision_distance, segment_amid
+from mpfcad.optics.film.resin import collision_distance, is_resin, segment_amid
 from mpfcad.optics.search.tile import CHAIN, next_facet
 from mpfcad.optics.search.tile_table import tile_of
 
-#: The columns of a film in `Scene.parameter`; four of its resin, and the absorption of both.
-INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE = range(7)
-SCATTERING, ASYMMETRY, PHASE, PRISM, ABSORPTION = range(7, 12)
+#: The columns of a film in `Scene.parameter`: of its prisms, then of its resin. `RESIN_INDEX` is 0
+#: where the resin is of the prisms' index and absorption.
+INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE, ABSORPTION = range(8)
+SCATTERING, ASYMMETRY, PHASE, PRISM, RESIN_INDEX, RESIN_ABSORPTION, THINNEST = range(8, 15)
 #: Meetings after which a ray counts as lost.
 MOST_HITS = 100_000
 
@@ -65,12 +66,15 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
 
     `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
     1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh). `survival` is the
-    share of its weight that the film has not absorbed, exp(-absorption · path inside).
+    share of its weight that prisms and resin have not absorbed, exp(-Σ absorption · path inside).
     """
     tile = tile_of(tiles, int(parameter[TILE]))
     index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
     scatters, amid = parameter[SCATTERING] > 0.0, False
     absorption, travelled = parameter[ABSORPTION], 0.0
+    # Of a resin of another material: whether the ray is in it, and how far it has flown there.
+    resin_index, in_resin, soaked = parameter[RESIN_INDEX], False, 0.0
+    filled = resin_index > 0.0
     base_x = math.floor((x - offset) / tile.width) * tile.width + offset
     base_y = math.floor(y / tile.length) * tile.length
     x = min(max(x - base_x, 0.0), tile.width)
@@ -88,42 +92,68 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     for _ in range(MOST_HITS):
         x0, y0, z0 = x, y, z
         if amid and tile.accelerator == CHAIN:
-            k, x, y, z, nx, ny, nz, shift_x, shift_y = segment_amid(tile, x, y, z, dx, dy, dz)
+            k, x, y, z, nx, ny, nz, shift_x, shift_y = segment_amid(tile, x, y, z, dx, dy, dz, True)
         else:
             k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(
                 tile, x, y, z, dx, dy, dz, k, inside
             )
-        amid = False
+        amid, meets, flown = False, False, math.inf
         reach = 0.0
-        if inside and k != -2 and (scatters or absorption > 0.0):
+        within = inside and k != -2
+        if within and (scatters or filled or absorption > 0.0):
             reach = z0 / -dz if dz < 0.0 else 0.0
             if k >= 0:
                 reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
-        if scatters and inside and k != -2:
+        if within and filled:
+            prism = tile_of(tiles, int(parameter[PRISM]))
+            met, at_x, at_y, at_z, mx, mz = prism_ahead(prism, x0, y0, z0, dx, dy, dz, in_resin)
+            # At a bare wall, film and prism have the same surface and no resin lies between.
+            between = (reach - met) * (abs(dx * nx + dy * ny + dz * nz) if k >= 0 else 1.0)
+            meets = between > parameter[THINNEST]
+            reach = met if meets else reach
+            if scatters and in_resin:
+                flown = -math.log(1.0 - uniform(rng)) / parameter[SCATTERING]
+        elif within and scatters:
             prism = tile_of(tiles, int(parameter[PRISM]))
             flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
-            if flown < reach:
-                x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
-                cosine = scattering_cosine(
-                    phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
-                )
-                dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
-                k, amid = -1, True
-                travelled += flown
-                continue
-        travelled += reach
+        step = min(flown, reach)
+        if in_resin:
+            soaked += step
+        else:
+            travelled += step
+        if flown < reach:
+            x, y, z = x0 + flown * dx, y0 + flown * dy, z0 + flown * dz
+            cosine = scattering_cosine(
+                phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
+            )
+            dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+            k, amid = -1, True
+            continue
+        if meets:
+            x, y, z = at_x, at_y, at_z
+            ratio = resin_index / index if in_resin else index / resin_index
+            mirrored, dx, dy, dz = interface(ratio, mx, 0.0, mz, dx, dy, dz, rng)
+            in_resin = in_resin == mirrored
+            k, amid = -1, True
+            continue
         base_x += shift_x
         base_y += shift_y
         if k == -2:
             return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
         if k >= 0:
-            inside, dx, dy, dz = facet(index, inside, nx, ny, nz, dx, dy, dz, rng)
+            behind = index
+            if filled:
+                prism = tile_of(tiles, int(parameter[PRISM]))
+                in_resin = is_resin(prism, x, z, parameter[THINNEST])
+                behind = resin_index if in_resin else index
+            inside, dx, dy, dz = facet(behind, inside, nx, ny, nz, dx, dy, dz, rng)
             continue
         if not inside:
             flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
             way = 1 if dz > 0.0 else -1
             x, y = x + flight * dx + base_x, y + flight * dy + base_y
-            return way, x, y, dx, dy, dz, math.exp(-absorption * travelled)
+            survival = math.exp(-absorption * travelled - parameter[RESIN_ABSORPTION] * soaked)
+            return way, x, y, dx, dy, dz, survival
         flight = z / -dz
         x += flight * dx
         y += flight * dy
@@ -131,9 +161,10 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         tiles_on = math.floor(x / tile.width) * tile.width
         x = min(max(x - tiles_on, 0.0), tile.width)
         base_x += tiles_on
+        in_resin = False
         left, dx, dy, dz = underside(index, index_below, dx, dy, dz, rng)
         if left:
-            survival = math.exp(-absorption * travelled)
+            survival = math.exp(-absorption * travelled - parameter[RESIN_ABSORPTION] * soaked)
             return -1, x + base_x, y + base_y, dx, dy, dz, survival
     return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
 
@@ -160,14 +191,42 @@ def unit(dx, dy, dz):
 
 
 @kernel
+def prism_ahead(prism, x, y, z, dx, dy, dz, in_resin):
+    """Return where a ray within the film meets the prisms' surface: (distance, x, y, z, nx, nz).
+
+    It comes out of a prism, or (`in_resin`) out of the resin over them; the distance [mm] is
+    infinite where it does not meet it. n: upward unit normal.
+    """
+    k, to_x, to_y, to_z, nx, _, nz, shift, _ = segment_amid(
+        prism, x, y, z, dx, dy, dz, not in_resin
+    )
+    to_x += shift
+    distance = (to_x - x) * dx + (to_y - y) * dy + (to_z - z) * dz
+    # A ray that has just left the surface does not meet the same segment from its far side.
+    if k < 0 or (dx * nx + dz * nz > 0.0) == in_resin:
+        distance = math.inf
+    return distance, to_x, to_y, to_z, nx, nz
+
+
+@kernel
 def facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
     """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
+    ratio = index if inside else 1.0 / index
+    mirrored, dx, dy, dz = interface(ratio, nx, ny, nz, dx, dy, dz, rng)
+    return inside == mirrored, dx, dy, dz
+
+
+@kernel
+def interface(ratio, nx, ny, nz, dx, dy, dz, rng):
+    """Pass or reflect a ray at a surface of unit normal n: (mirrored, dx, dy, dz).
+
+    `ratio`: index on the ray's side over that beyond.
+    """
     approach = dx * nx + dy * ny + dz * nz
     cos_in = min(1.0, abs(approach))
-    ratio = index if inside else 1.0 / index
     reflectance, cos_out = fresnel(cos_in, ratio)
     mirrored = uniform(rng) < reflectance
     bend = -2.0 * approach if mirrored else math.copysign(cos_out, approach) - ratio * approach
     scale = 1.0 if mirrored else ratio
     dx, dy, dz = unit(scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz)
-    return inside == mirrored, dx, dy, dz
+    return mirrored, dx, dy, dz

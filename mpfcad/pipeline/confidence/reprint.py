@@ -38,7 +38,7 @@ class Reprints(Variants):
     @property
     def has_grooves(self) -> bool:
         """Whether the print sets the resin, and a film with other resin is made."""
-        return self._places is not None and not self.stack.resin_scatters
+        return self._places is not None and not self.stack.needs_prism
 
     @cached_property
     def _modes(self) -> NDArray[np.float64] | None:

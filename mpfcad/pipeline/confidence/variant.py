@@ -65,7 +65,7 @@ class Variants:
         piece = self.plan.piece
         if piece is None or self.plan.drawn is not piece:
             return False
-        return piece.profile == "filled" and not self.stack.resin_scatters
+        return piece.profile == "filled" and not self.stack.needs_prism
 
     def factors(self) -> list[Factor]:
         """Return the inputs that are not known exactly and change the scene."""

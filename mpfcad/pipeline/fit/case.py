@@ -101,9 +101,11 @@ def build_cases(fit: Fit, file: Path, stack: Stack, folder: Path) -> dict[str, F
         inside.mkdir()
         mesh, offset = _film(where, table, file, placed, inside)
         prism = mesh.with_name("prism.stl")
-        if placed.resin_scatters and not prism.is_file():
-            raise InputError(f"{where}: film: {table.film}: expected a clear resin, or prism.stl")
-        placed = placed.with_prism(prism if placed.resin_scatters else None)
+        if placed.needs_prism and not prism.is_file():
+            raise InputError(
+                f"{where}: film: {table.film}: expected prism.stl, or a clear resin as the prisms"
+            )
+        placed = placed.with_prism(prism if placed.needs_prism else None)
         found[name] = FitCase(name, placed, frozenset(own), mesh, offset)
     return found
 

@@ -132,8 +132,8 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
             f"{where}: film: under LEDs a film is held as pieces of grooves: expected profile "
             "'filled', without imperfections"
         )
-    if stack.resin_scatters:
-        raise InputError(f"{where}: resin: scatters: expected a clear resin under LEDs")
+    if stack.needs_prism:
+        raise InputError(f"{where}: resin: expected one as the prisms, clear, under LEDs")
     if job.wants_confidence:
         raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
 

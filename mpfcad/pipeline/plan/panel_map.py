@@ -94,9 +94,10 @@ class FieldMap:
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
         """Return the panel's section at the window's lower end, and the window."""
         first, window = cut_window(job, self.film, stack, where)
-        if stack.resin_scatters:
+        if stack.needs_prism:
             raise InputError(
-                f"{where}: resin: scatters: expected a map that does not vary along the grooves"
+                f"{where}: resin: scatters or is of another material: expected a map that does "
+                "not vary along the grooves"
             )
         panel = field_section(self.film, window.origin[1], job.film.base)
         piece = panel.cut(first, window.groove_count, window.size[1])

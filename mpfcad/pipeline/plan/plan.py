@@ -214,9 +214,13 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
     return replace(plan, calibration=text, input_file={job_file.name: job_file, **files})
 
 
+#: A resin that light tells from the prisms.
+_OWN = "scatters or is of another material"
+
+
 def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
-    """Raise where resin scatters in a film of which the prisms under it are not known."""
-    if not stack.resin_scatters:
+    """Raise where light sees the prisms under the resin, and they are not known."""
+    if not stack.needs_prism:
         return
     if job.film.profile != "filled":
         raise InputError(
@@ -224,7 +228,7 @@ def _refuse_resin(job: Job, stack: Stack, where: str) -> None:
         )
     if not job.film.is_plain:
         raise InputError(
-            f"{where}: resin: scatters: expected grooves as designed, without imperfections"
+            f"{where}: resin: {_OWN}: expected grooves as designed, without imperfections"
         )
 
 

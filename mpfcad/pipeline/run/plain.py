@@ -1,7 +1,6 @@
 """The plain prism film in the job's own backlight: what the resin is there for."""
 
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,10 +39,7 @@ def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float)
     """
     from mpfcad.cad import write_stl
 
-    stack = plan.stack.with_files_in(folder)
-    if stack.resin_scatters:
-        clear = replace(stack.quantity["resin_scattering_per_mm"], value=0.0)
-        stack = stack.with_values({"resin_scattering_per_mm": clear})
+    stack = plan.stack.with_files_in(folder).without_resin()
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "plain.stl"
         write_stl(_plain_film(plan), mesh, plan.job.cad.angle_tolerance)

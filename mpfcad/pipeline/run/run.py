@@ -271,7 +271,7 @@ def trace_mesh(
     """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
     `thickness` is that of the stack [mm] (None: its own), `offset` the position of the mesh's left
-    edge from a lamp's axis [mm]; `prism` the mesh without resin, where the stack's resin scatters.
+    edge from a lamp's axis [mm]; `prism` the mesh without resin, where light sees it.
     With `repair` a mesh that is no solid is repaired into a file beside it, which is traced; with
     `confidence` also how likely the usual limits are met with every input's uncertainty.
 

@@ -18,7 +18,7 @@ def write_stack_meshes(plan: Plan, folder: Path, progress: Progress) -> None:
     for name, path in plan.stack.files().items():
         progress.stage(f"copying {path.name}")
         shutil.copyfile(path, folder / stack_file(name))
-    if not plan.stack.resin_scatters:
+    if not plan.stack.needs_prism:
         return
     progress.stage(f"writing {PRISM_FILE}")
     count, groove = plan.piece.groove_count, plan.piece.groove

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 from mpfcad.backlight import Stack
+from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.report.drawing import svg
 
 #: Sizes in the drawing: left edge, width, height of the cavity, of a layer and between layers.
@@ -109,17 +110,29 @@ def _note(stack: Stack, layer: str) -> str:
         sigma, share = stack[f"{layer}_sigma"], stack["sheet_transmission"] * 100
         return f"σ = {sigma:g} of the direction cosines, {share:g} % of the light"
     if layer.endswith("film"):
-        note = f"n = {stack['film_index']:g}"
-        if stack.resin_scatters:
-            scattering, g = stack["resin_scattering_per_mm"], stack["resin_asymmetry"]
-            note += f"; resin scatters {scattering:.3g} /mm, g = {g:.3g}"
-        return note
+        return f"n = {stack['film_index']:g}{_materials(stack)}"
     note = f"n = {stack['plate_index']:g}, {stack['plate_thickness_mm']:g} mm"
     if layer == "diffusing_plate":
         note += (
             f", scattering {stack['plate_scattering_per_mm']:.4g} /mm, "
             f"g = {stack['plate_asymmetry']:.4g}"
         )
+    return note
+
+
+def _materials(stack: Stack) -> str:
+    """Return the film's other materials in words: its base and primer, and the resin."""
+    note = ""
+    if stack.resin_differs:
+        note += f"; resin n = {stack.get('resin_index', stack.of_film('index')):g}"
+    if stack.resin_scatters:
+        scattering, g = stack["resin_scattering_per_mm"], stack["resin_asymmetry"]
+        note += f"; resin scatters {scattering:.3g} /mm, g = {g:.3g}"
+    for layer in FILM_LAYERS:
+        if f"{layer}_index" in stack.quantity:
+            words = layer.rpartition("_")[2]
+            thickness, index = stack[f"{layer}_thickness_um"], stack[f"{layer}_index"]
+            note += f"; {words} {thickness:g} µm, n = {index:g}"
     return note
 
 
@@ -144,7 +157,8 @@ def _own_note(stack: Stack, layer: str) -> str:
     if kind == "bef":
         note += f", prisms {value('pitch_um'):g} × {value('depth_um'):g} µm"
     turn = value("rotation_deg")
-    return f"{note}, turned {turn:g}°" if turn else note
+    note += f", turned {turn:g}°" if turn else ""
+    return note + (_materials(stack) if stack.is_slot(layer) else "")
 
 
 def _label(y: float, name: str, note: str) -> list[str]:
