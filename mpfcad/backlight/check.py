@@ -43,11 +43,12 @@ def _check_film_layers(where: str, stack: Stack) -> None:
     own = stack.own.get(stack.slot) if stack.slot else None
     if given and not stack.has_slot:
         raise InputError(f"{where}: value.{given[0]}: the stack has no place of the job's film")
-    if own is not None and "film_absorption_per_mm" in given:
-        raise InputError(
-            f"{where}: value.film_absorption_per_mm: the film's layer states its own: expected "
-            f"{own.name}.absorption_per_mm"
-        )
+    for key in ("absorption_per_mm", "roughness"):
+        if own is not None and f"film_{key}" in given:
+            raise InputError(
+                f"{where}: value.film_{key}: the film's layer states its own: expected "
+                f"{own.name}.{key}"
+            )
     if own is not None and own.flipped and any(k.startswith(FILM_LAYERS) for k in given):
         raise InputError(
             f"{where}: layers: {own.name}: flipped: a film with base or primer: expected upright"

@@ -58,6 +58,7 @@ def lower_film(
     film = Film(
         mesh, stack.of_film("index"), below, offset, None, name, rotation=rotation,
         flipped=flipped, resin=resin, absorption=stack.of_film("absorption_per_mm"),
+        roughness=stack.of_film("roughness"),
     )  # fmt: skip
     return [*elements, film]
 
@@ -84,7 +85,8 @@ def _library(
     name, rotation, flipped = _lie(stack)
     if flipped or stack.of_film("absorption_per_mm") > 0 or stack.needs_prism:
         raise InputError(
-            f"{stack.name}: a film of instances: expected upright, clear, and resin as the prisms"
+            f"{stack.name}: a film of instances: expected upright, clear and smooth, with "
+            "resin as its prisms"
         )
     if thickness:
         _refuse_thick(stack.name, thickness, min(float(s[:, 1].min()) for s in library.section))
@@ -100,7 +102,7 @@ def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
         return None
     if stack.prism is None:
         raise InputError(
-            f"{stack.name}: resin that scatters or is of another material: "
+            f"{stack.name}: resin that scatters or is of another material, or rough prisms: "
             "expected the mesh of the film without resin (--prism)"
         )
     prism = read_film_mesh(stack.prism)

@@ -15,7 +15,7 @@ LAYERS = {
     "bonded_film": "film bonded on the plate",
     "top_sheet": "top diffuser sheet",
 }
-_INDEX, _ANGLE, _ABSORPTION = (1.0, 4.0), (-360.0, 360.0), (0.0, 100.0)
+_INDEX, _ANGLE, _ABSORPTION, _SLOPE = (1.0, 4.0), (-360.0, 360.0), (0.0, 100.0), (0.0, 1.0)
 #: Values of a layer's own by its kind: lowest, highest, and the stack's value or the number that
 #: stands for it where it is left out (None: must be given).
 OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
@@ -23,6 +23,7 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "index": (*_INDEX, "film_index"),
         "rotation_deg": (*_ANGLE, 0.0),
         "absorption_per_mm": (*_ABSORPTION, 0.0),
+        "roughness": (*_SLOPE, 0.0),
     },
     "bef": {
         "pitch_um": (1.0, 2000.0, 50.0),
@@ -31,6 +32,7 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "index": (*_INDEX, "film_index"),
         "rotation_deg": (*_ANGLE, 0.0),
         "absorption_per_mm": (*_ABSORPTION, 0.0),
+        "roughness": (*_SLOPE, 0.0),
     },
     "plate": {
         "thickness_mm": (0.01, 100.0, "plate_thickness_mm"),

@@ -94,13 +94,14 @@ def _own_layer(stack: Stack, name: str) -> Element:
         assert layer.file is not None  # else it is the job's film
         mesh = read_film(Path(layer.file))
     rotation, absorption = value("rotation_deg") * deg, value("absorption_per_mm")
+    roughness = stack.get(f"{name}.roughness")
     if isinstance(mesh, Library):
-        if layer.flipped or absorption > 0:
-            raise InputError(f"{words}: a film of instances: expected upright and clear")
+        if layer.flipped or absorption > 0 or roughness > 0:
+            raise InputError(f"{words}: a film of instances: expected upright, clear and smooth")
         return LibraryFilm(mesh, value("index"), 1.0, 0.0, words, rotation)
     return Film(
         mesh, value("index"), name=words, rotation=rotation, flipped=layer.flipped,
-        absorption=absorption,
+        absorption=absorption, roughness=roughness,
     )  # fmt: skip
 
 

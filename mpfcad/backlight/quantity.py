@@ -56,6 +56,7 @@ PARTICLE_RANGES = {
 FILM_LAYERS = ("film_base", "film_primer")
 FILM_RANGES = {
     "film_absorption_per_mm": (0.0, 100.0),
+    "film_roughness": (0.0, 1.0),
     "resin_index": (1.0, 4.0),
     "resin_absorption_per_mm": (0.0, 100.0),
     **{f"{layer}_index": (1.0, 4.0) for layer in FILM_LAYERS},

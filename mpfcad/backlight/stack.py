@@ -67,9 +67,9 @@ class Stack:
         return self[name] if name in self.quantity else default
 
     def of_film(self, key: str) -> float:
-        """Return `index` or `absorption_per_mm` of the prisms in the job's film."""
+        """Return `index`, `absorption_per_mm` or `roughness` of the job's film's prisms."""
         slot = self.slot
-        return self[f"{slot}.{key}"] if slot in self.own else self.get(f"film_{key}")
+        return self.get(f"{slot}.{key}" if slot in self.own else f"film_{key}")
 
     @property
     def panel_width(self) -> float:
@@ -122,7 +122,9 @@ class Stack:
     @property
     def needs_prism(self) -> bool:
         """Whether light sees where the resin ends and the prisms begin."""
-        return self.has_slot and (self.resin_scatters or self.resin_differs)
+        if not self.has_slot:
+            return False
+        return self.resin_scatters or self.resin_differs or self.of_film("roughness") > 0
 
     @property
     def sheet_count(self) -> int:

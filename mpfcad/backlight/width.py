@@ -41,6 +41,7 @@ WIDTHS: tuple[tuple[str, _Kind], ...] = (
     ("scattering_per_mm", _Kind(0.1, True, "fitted to a haze")),
     ("asymmetry", _Kind(0.02, False, "fitted to a haze")),
     ("absorption_per_mm", _Kind(0.3, True, "too small for a data sheet")),
+    ("roughness", _Kind(0.3, True, "a facet's slope, rarely measured")),
     ("sheet_sigma", _SHEET),
     (".sigma", _SHEET),
     ("sheet_transmission", _PASS),

@@ -155,6 +155,8 @@ class Film(Mirrored):
         a fill that scatters or is of another material than the prisms, if it is
     absorption
         coefficient [1/mm] of the prisms, and of a resin that has none of its own
+    roughness
+        root mean square slope of the prisms' facets; where `resin` is None, of the whole top
     """
 
     mesh: FilmMesh
@@ -167,22 +169,24 @@ class Film(Mirrored):
     flipped: bool = False
     resin: Resin | None = None
     absorption: float = 0.0
+    roughness: float = 0.0
 
     def __post_init__(self) -> None:
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.index_below", self.index_below, 1.0)
         refuse_unsound(f"{self.name}.absorption", self.absorption, 0.0)
+        refuse_unsound(f"{self.name}.roughness", self.roughness, 0.0, 1.0)
         refuse_unsound(f"{self.name}.offset", self.offset)
         refuse_unsound(f"{self.name}.rotation", self.rotation)
 
     @property
-    def is_of_two(self) -> bool:
-        """Whether the resin is of another index or absorption than the prisms."""
-        own = (self.resin.index, self.resin.absorption) if self.resin else ()
-        return any(
-            value not in (None, prisms)
-            for value, prisms in zip(own, (self.index, self.absorption), strict=False)
-        )
+    def shows_prism(self) -> bool:
+        """Whether light sees the prisms' surface under the resin: rough, or of two materials."""
+        if self.resin is None:
+            return False
+        index, absorption = self.resin.index, self.resin.absorption
+        own = index not in (None, self.index) or absorption not in (None, self.absorption)
+        return own or self.roughness > 0
 
     def is_mirrored(self, period: float) -> bool:
         """Tell whether the tile repeats so often in a cell that its side does not count."""

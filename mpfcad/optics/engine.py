@@ -34,6 +34,7 @@ from mpfcad.optics.film.passage import (
     INDEX_BELOW,
     OFFSET,
     RESIN_INDEX,
+    ROUGHNESS,
     SCATTERING,
     TILE,
     into_film,
@@ -90,9 +91,10 @@ def pass_queue(scene, e, rays, wave, flow):
     eight = 0
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
-        # Resin that scatters, resin of its own material and films that absorb: ray by ray.
+        # Films that absorb, of two materials, rough, or with resin that scatters: ray by ray.
         film = scene.parameter[e]
-        clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0 and film[RESIN_INDEX] == 0.0
+        smooth = film[ROUGHNESS] == 0.0 and film[RESIN_INDEX] == 0.0
+        clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0 and smooth
         layered = tile.accelerator != SECTION or len(tile.layers.part) > 0
         if tile.accelerator != BVH and layered and clear:
             _pass_film(tile, scene.parameter[e], rays, wave)

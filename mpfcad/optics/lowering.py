@@ -34,7 +34,7 @@ from mpfcad.optics.element import (
 from mpfcad.optics.film import passage as film
 
 #: Columns of a row: as many as the kind with most of them needs.
-COLUMNS = 15
+COLUMNS = 16
 
 
 class Rows:
@@ -160,6 +160,7 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
         film.FLIPPED: placed.flipped,
         film.TILE: shared.tiles.number((id(mesh), way), (mesh, way)),
         film.ABSORPTION: placed.absorption,
+        film.ROUGHNESS: placed.roughness,
     }
     resin = placed.resin
     if resin is not None:
@@ -169,7 +170,7 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
             film.PHASE: shared.phase_row(resin.phase),
             film.PRISM: shared.tiles.number((id(resin.prism), "chain"), (resin.prism, "chain")),
         }
-        if placed.is_of_two:
+        if placed.shows_prism:
             index, absorption = resin.index, resin.absorption
             columns |= {
                 film.RESIN_INDEX: placed.index if index is None else index,

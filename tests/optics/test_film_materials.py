@@ -193,7 +193,7 @@ def test_a_library_of_pieces_has_base_and_primer(tmp_path):
     assert as_pieces[1].library.high == pytest.approx(as_mesh[1].mesh.size[2], abs=1e-8)
     build_scene(as_pieces)
     path.write_text(text + "resin_index = 1.5\n")
-    with pytest.raises(InputError, match="a film of instances: expected upright, clear"):
+    with pytest.raises(InputError, match="a film of instances: expected upright, clear and smooth"):
         lower_stack(read_stack(path), library)
     path.write_text(text.replace("125", "155"))
     with pytest.raises(InputError, match="155 µm thick together"):

@@ -84,7 +84,7 @@ def test_grooves_without_resin_are_the_plain_film(tmp_path):
 def test_resin_almost_of_the_prisms_index_is_the_matched_film(tmp_path):
     near = passed([film(tmp_path, index=1.6 + 1e-7)], True)
     matched = film(tmp_path, index=1.6, absorption=0.0)
-    assert not matched.is_of_two
+    assert not matched.shows_prism
     same = passed([matched], True, seed=2)
     for (a, e), (b, f) in zip(near, same, strict=True):
         assert abs(a - b) < 4 * math.hypot(e, f)

@@ -16,6 +16,7 @@ from oracle.ray import (
     refract,
     scattering_cosine,
 )
+from oracle.rough import rough_interface
 
 
 class ReferenceFilm:
@@ -89,7 +90,7 @@ class ReferenceFilm:
                 return False, o, (d[0], d[1], -d[2])
             d = refract(d, (0.0, 0.0, -1.0), film.index_below, film.index)
             inside = True
-        two, in_resin = film.is_of_two, False
+        two, in_resin = film.shows_prism, False
         scattering = film.resin.scattering if film.resin else 0.0
         while True:
             distance, normal = self._first_facet(o, d, inside)
@@ -113,9 +114,8 @@ class ReferenceFilm:
             if prism is not None:
                 o = tuple(a + reach * b for a, b in zip(o, d, strict=True))
                 there = not in_resin
-                passed, d = self._interface(
-                    self._index(in_resin), self._index(there), prism, d, rng
-                )
+                n_in, n_out = self._index(in_resin), self._index(there)
+                passed, d = self._interface(n_in, n_out, film.roughness, prism, d, rng)
                 in_resin = there if passed else in_resin
                 continue
             if normal is not None:
@@ -125,7 +125,8 @@ class ReferenceFilm:
                 n_in, n_out = self._index(in_resin), 1.0
                 if not inside:
                     n_in, n_out = n_out, n_in
-                passed, d = self._interface(n_in, n_out, normal, d, rng)
+                rough = 0.0 if in_resin else film.roughness
+                passed, d = self._interface(n_in, n_out, rough, normal, d, rng)
                 inside = inside != passed
                 continue
             level = self.high if d[2] > 0 else 0.0
@@ -184,9 +185,11 @@ class ReferenceFilm:
 
     @staticmethod
     def _interface(
-        n_in: float, n_out: float, normal: Vector, d: Vector, rng: Philox
+        n_in: float, n_out: float, slope: float, normal: Vector, d: Vector, rng: Philox
     ) -> tuple[bool, Vector]:
-        """Pass or reflect a ray at a surface: (passed, direction)."""
+        """Pass or reflect a ray at a surface, rough where it has a slope: (passed, direction)."""
+        if slope > 0 and n_in != n_out:
+            return rough_interface(n_in, n_out, slope, normal, d, rng)
         facing = normal if dot(d, normal) < 0 else tuple(-c for c in normal)
         if rng() < reflectance(abs(dot(d, normal)), n_in, n_out):
             twice = 2 * dot(d, normal)

@@ -32,7 +32,7 @@ from mpfcad.optics.base.sampling import (
     STREAM,
 )
 from mpfcad.optics.base.sampling_lanes import next_two, take
-from mpfcad.optics.film.passage import unit
+from mpfcad.optics.film.interface import unit
 from mpfcad.optics.search.grid.walk import choose, no_walk, start_walk, walk_on
 from mpfcad.optics.search.tiling import MOST_TILES, arrive, into_tile, rounding, to_zone
 

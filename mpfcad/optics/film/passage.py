@@ -6,6 +6,7 @@ from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
+from mpfcad.optics.film.interface import interface
 from mpfcad.optics.film.resin import collision_distance, is_resin, segment_amid
 from mpfcad.optics.search.tile import CHAIN, next_facet
 from mpfcad.optics.search.tile_table import tile_of
@@ -14,6 +15,7 @@ from mpfcad.optics.search.tile_table import tile_of
 #: where the resin is of the prisms' index and absorption.
 INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE, ABSORPTION = range(8)
 SCATTERING, ASYMMETRY, PHASE, PRISM, RESIN_INDEX, RESIN_ABSORPTION, THINNEST = range(8, 15)
+ROUGHNESS = 15
 #: Meetings after which a ray counts as lost.
 MOST_HITS = 100_000
 
@@ -82,6 +84,8 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     z = tile.high
     inside = False
     k = -1
+    # Where a ray meets the prisms' surface under the resin, and its normal.
+    at_x, at_y, at_z, mx, mz = x, y, z, 0.0, 1.0
     if up:
         z = 0.0
     if up and tile.underside:
@@ -97,25 +101,16 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
             k, x, y, z, nx, ny, nz, shift_x, shift_y = next_facet(
                 tile, x, y, z, dx, dy, dz, k, inside
             )
-        amid, meets, flown = False, False, math.inf
-        reach = 0.0
-        within = inside and k != -2
-        if within and (scatters or filled or absorption > 0.0):
-            reach = z0 / -dz if dz < 0.0 else 0.0
+        amid, meets, flown, reach = False, False, math.inf, 0.0
+        if inside and k != -2 and (scatters or filled or absorption > 0.0):
+            reach, steep = (z0 / -dz if dz < 0.0 else 0.0), 1.0
             if k >= 0:
                 reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
-        if within and filled:
-            prism = tile_of(tiles, int(parameter[PRISM]))
-            met, at_x, at_y, at_z, mx, mz = prism_ahead(prism, x0, y0, z0, dx, dy, dz, in_resin)
-            # At a bare wall, film and prism have the same surface and no resin lies between.
-            between = (reach - met) * (abs(dx * nx + dy * ny + dz * nz) if k >= 0 else 1.0)
-            meets = between > parameter[THINNEST]
-            reach = met if meets else reach
-            if scatters and in_resin:
-                flown = -math.log(1.0 - uniform(rng)) / parameter[SCATTERING]
-        elif within and scatters:
-            prism = tile_of(tiles, int(parameter[PRISM]))
-            flown = collision_distance(prism, parameter[SCATTERING], x0, z0, dx, dz, reach, rng)
+                steep = abs(dx * nx + dy * ny + dz * nz)
+            if scatters or filled:
+                reach, flown, meets, at_x, at_y, at_z, mx, mz = through_resin(
+                    tiles, parameter, x0, y0, z0, dx, dy, dz, in_resin, reach, steep, rng
+                )
         step = min(flown, reach)
         if in_resin:
             soaked += step
@@ -129,24 +124,28 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
             dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
             k, amid = -1, True
             continue
+        behind, beyond = index, 1.0
         if meets:
-            x, y, z = at_x, at_y, at_z
-            ratio = resin_index / index if in_resin else index / resin_index
-            mirrored, dx, dy, dz = interface(ratio, mx, 0.0, mz, dx, dy, dz, rng)
-            in_resin = in_resin == mirrored
-            k, amid = -1, True
-            continue
-        base_x += shift_x
-        base_y += shift_y
-        if k == -2:
-            return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
-        if k >= 0:
-            behind = index
-            if filled:
-                prism = tile_of(tiles, int(parameter[PRISM]))
-                in_resin = is_resin(prism, x, z, parameter[THINNEST])
-                behind = resin_index if in_resin else index
-            inside, dx, dy, dz = facet(behind, inside, nx, ny, nz, dx, dy, dz, rng)
+            x, y, z, nx, ny, nz = at_x, at_y, at_z, mx, 0.0, mz
+            behind, beyond = (resin_index, index) if in_resin else (index, resin_index)
+        else:
+            base_x += shift_x
+            base_y += shift_y
+            if k == -2:
+                return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
+        if k >= 0 and not meets and filled:
+            prism = tile_of(tiles, int(parameter[PRISM]))
+            in_resin = is_resin(prism, x, z, parameter[THINNEST])
+            behind = resin_index if in_resin else index
+        if meets or k >= 0:
+            rough = 0.0 if in_resin and not meets else parameter[ROUGHNESS]
+            ratio = behind / beyond if inside else beyond / behind
+            mirrored, dx, dy, dz = interface(ratio, rough, nx, ny, nz, dx, dy, dz, rng)
+            if meets:
+                in_resin = in_resin == mirrored
+                k, amid = -1, True
+            else:
+                inside = inside == mirrored
             continue
         if not inside:
             flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
@@ -180,14 +179,26 @@ def underside(index_in, index_out, dx, dy, dz, rng):
 
 
 @kernel
-def unit(dx, dy, dz):
-    """Return a direction, or eight, of a length that is 1 to rounding, as 1 to its own (Newton).
+def through_resin(tiles, parameter, x, y, z, dx, dy, dz, in_resin, reach, steep, rng):
+    """Return what a ray within the film meets first: (reach, flown, meets, x, y, z, nx, nz).
 
-    Else the rounding of thousands of total reflections would add up, and with it the distances that
-    are measured along the direction would be wrong.
+    `reach` [mm]: to the film's surface, at which its direction has a cosine of `steep`, or, if it
+    `meets` it, to the prisms' surface under the resin at (x, y, z) with the upward normal n.
+    `flown`: to where the resin scatters it, or infinity.
     """
-    factor = 1.5 - 0.5 * (dx * dx + dy * dy + dz * dz)
-    return factor * dx, factor * dy, factor * dz
+    prism = tile_of(tiles, int(parameter[PRISM]))
+    scattering = parameter[SCATTERING]
+    if parameter[RESIN_INDEX] == 0.0:
+        flown = collision_distance(prism, scattering, x, z, dx, dz, reach, rng)
+        return reach, flown, False, x, y, z, 0.0, 1.0
+    met, to_x, to_y, to_z, nx, nz = prism_ahead(prism, x, y, z, dx, dy, dz, in_resin)
+    # At a bare wall film and prism have the same surface, and no resin lies between.
+    meets = (reach - met) * steep > parameter[THINNEST]
+    reach = met if meets else reach
+    flown = math.inf
+    if in_resin and scattering > 0.0:
+        flown = -math.log(1.0 - uniform(rng)) / scattering
+    return reach, flown, meets, to_x, to_y, to_z, nx, nz
 
 
 @kernel
@@ -210,23 +221,7 @@ def prism_ahead(prism, x, y, z, dx, dy, dz, in_resin):
 
 @kernel
 def facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
-    """Pass or reflect a ray at a facet of outward normal n: (inside, dx, dy, dz)."""
+    """Pass or reflect a ray at a smooth facet of outward normal n: (inside, dx, dy, dz)."""
     ratio = index if inside else 1.0 / index
-    mirrored, dx, dy, dz = interface(ratio, nx, ny, nz, dx, dy, dz, rng)
+    mirrored, dx, dy, dz = interface(ratio, 0.0, nx, ny, nz, dx, dy, dz, rng)
     return inside == mirrored, dx, dy, dz
-
-
-@kernel
-def interface(ratio, nx, ny, nz, dx, dy, dz, rng):
-    """Pass or reflect a ray at a surface of unit normal n: (mirrored, dx, dy, dz).
-
-    `ratio`: index on the ray's side over that beyond.
-    """
-    approach = dx * nx + dy * ny + dz * nz
-    cos_in = min(1.0, abs(approach))
-    reflectance, cos_out = fresnel(cos_in, ratio)
-    mirrored = uniform(rng) < reflectance
-    bend = -2.0 * approach if mirrored else math.copysign(cos_out, approach) - ratio * approach
-    scale = 1.0 if mirrored else ratio
-    dx, dy, dz = unit(scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz)
-    return mirrored, dx, dy, dz

@@ -24,7 +24,7 @@ from mpfcad.optics.base.lanes_array import load, load_lines, store, store_lines
 from mpfcad.optics.base.sampling import KEY0, KEY1, STREAM
 from mpfcad.optics.base.sampling_lanes import next_two, take
 from mpfcad.optics.film.chain_lanes import take_ray
-from mpfcad.optics.film.passage import unit
+from mpfcad.optics.film.interface import unit
 from mpfcad.optics.search.chain_walk import leave_run, meet_in_run
 from mpfcad.optics.search.layers_walk import layers_entry, next_part, part_across, part_data
 

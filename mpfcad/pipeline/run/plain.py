@@ -44,7 +44,8 @@ def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float)
         mesh = Path(temporary) / "plain.stl"
         write_stl(_plain_film(plan), mesh, plan.job.cad.angle_tolerance)
         goal = max(half_width_goal, PLAIN_GOAL)
-        return trace_luminance(light_film(stack, mesh), run, goal)
+        # Of a film without resin, the prisms are the film.
+        return trace_luminance(light_film(stack.with_prism(mesh), mesh), run, goal)
 
 
 def _plain_film(plan: Plan) -> PrismFilm:

@@ -128,6 +128,8 @@ def _materials(stack: Stack) -> str:
     if stack.resin_scatters:
         scattering, g = stack["resin_scattering_per_mm"], stack["resin_asymmetry"]
         note += f"; resin scatters {scattering:.3g} /mm, g = {g:.3g}"
+    if stack.of_film("roughness") > 0:
+        note += f"; facets of rms slope {stack.of_film('roughness'):g}"
     for layer in FILM_LAYERS:
         if f"{layer}_index" in stack.quantity:
             words = layer.rpartition("_")[2]

@@ -35,6 +35,7 @@ _INFLUENCE = (
     ("specular_fraction", "how the reflector spreads light: the contrast"),
     ("scattering_per_mm", _SPREAD),
     ("asymmetry", _SPREAD),
+    ("roughness", _SPREAD),
     ("sigma", _SPREAD),
     ("particle_radius_um", _SPREAD),
     ("particle_density_per_mm3", _SPREAD),
