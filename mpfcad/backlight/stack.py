@@ -177,10 +177,11 @@ class Stack:
         """Return the stack with the mesh file of the film without resin."""
         return replace(self, prism=prism)
 
-    def without_resin(self) -> "Stack":
-        """Return the stack for a film whose grooves are empty."""
+    def with_bare(self, mesh: Path) -> "Stack":
+        """Return the stack for a film whose grooves are empty: its mesh is that of its prisms."""
         kept = {k: q for k, q in self.quantity.items() if not k.startswith("resin_")}
-        return replace(self, quantity=kept)
+        bare = replace(self, quantity=kept)
+        return bare.with_prism(mesh) if bare.needs_prism else bare
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
         """Return the stack with some quantities replaced."""

@@ -13,6 +13,7 @@ from mpfcad.backlight import Stack
 from mpfcad.cad import write_stl
 from mpfcad.design.grid import Grid
 from mpfcad.design.response import Operators
+from mpfcad.errors import InputError
 from mpfcad.film import Groove, PrismFilm, Profile
 from mpfcad.units import deg
 
@@ -47,6 +48,8 @@ def estimate_operators(
     tell = progress or (lambda text: None)
     with tempfile.TemporaryDirectory() as folder:
         films = []
+        if stack.needs_prism:
+            stack = stack.with_prism(_write_prism(groove, base, profile, Path(folder)))
         for i, curvature in enumerate(node):
             tell(f"tracing the film alone, C = {curvature:g} /mm")
             film = _film_mesh(groove, base, profile, curvature, Path(folder))
@@ -67,6 +70,15 @@ def _film_mesh(
     film = PrismFilm(groove, base, 1.0, profile, np.array([curvature]))
     write_stl(film, folder / "groove.stl", _FACET_ANGLE)
     return read_film_mesh(folder / "groove.stl")
+
+
+def _write_prism(groove: Groove, base: float, profile: Profile, folder: Path) -> Path:
+    """Return the file of a groove without resin."""
+    if profile != "filled":
+        raise InputError(f"film.profile: {profile}: has no resin of its own: expected 'filled'")
+    film = PrismFilm(groove, base, 1.0, profile, np.array([groove.curvature_empty]))
+    write_stl(film, folder / "prism.stl", _FACET_ANGLE)
+    return folder / "prism.stl"
 
 
 def _scene(mesh: "FilmMesh", stack: Stack) -> "tuple[Scene, int]":

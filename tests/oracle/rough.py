@@ -7,7 +7,6 @@ slopes are integrals done by quadrature or root finding, not the kernels' closed
 import math
 
 from scipy.optimize import brentq
-from scipy.stats import norm
 
 from oracle.ray import Philox, Vector, about, dot, reflectance, refract
 
@@ -49,7 +48,7 @@ def _shadow(w: Vector, slope: float) -> float:
     own = w[2] / (sine * slope)
     if own > 8 * math.sqrt(2):
         return 0.0
-    beyond = norm.pdf(own) - own * norm.sf(own)
+    beyond = _density(own) - own * _share(-own)
     return beyond / own
 
 
@@ -62,7 +61,7 @@ def _microfacet(w: Vector, slope: float, rng: Philox) -> Vector:
     edge = w[2] / (slope * sine)
 
     def seen(s: float) -> float:
-        return edge * norm.cdf(s) + norm.pdf(s)
+        return edge * _share(s) + _density(s)
 
     high = min(edge, 8.0)
     along = brentq(lambda s: seen(s) - share * seen(high), -8.0, high, xtol=1e-14, rtol=1e-15)
@@ -71,3 +70,11 @@ def _microfacet(w: Vector, slope: float, rng: Philox) -> Vector:
     q = slope * (along * y + across * x)
     size = math.sqrt(1 + p * p + q * q)
     return (-p / size, -q / size, 1 / size)
+
+
+def _density(s: float) -> float:
+    return math.exp(-s * s / 2) / math.sqrt(2 * math.pi)
+
+
+def _share(s: float) -> float:
+    return math.erfc(-s / math.sqrt(2)) / 2

@@ -34,6 +34,7 @@ from mpfcad.pipeline.plan.printed.screen import screen_mesh
 from mpfcad.pipeline.plan.tube import read_tube_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import write_cad
+from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import Store
 
@@ -158,6 +159,7 @@ class DesignWork:
             folder = Path(temporary)
             plan = self.plan_of(folder, rows)
             write_cad(plan, folder, ("stl",), SILENT)
+            write_stack_meshes(plan, folder, SILENT)
             traced = self._trace_mesh(folder / "film.stl", plan.offset + shift, number)
         self.state.keep(number, rows, shift, traced)
         return traced
@@ -171,7 +173,7 @@ class DesignWork:
             path_limit=round(self.design.search.paths_million * 1e6),
             progress=self.progress.trace,
         )
-        lit = light_film(self.stack, mesh, offset)
+        lit = light_film(self.stack.with_files_in(mesh.parent), mesh, offset)
         found = luminance_over_pitch(lit, run, half_width_goal=NO_GOAL)
         contrast, mean = found.contrast, found.mean_luminance
         return Traced(

@@ -118,7 +118,7 @@ def plain_case(stack: Stack) -> Case:
 
     def lay(folder: Path) -> tuple[Stack, Path]:
         write_plain(stack, folder / "bef.stl")
-        return stack, folder / "bef.stl"
+        return stack.with_bare(folder / "bef.stl"), folder / "bef.stl"
 
     film = baseline_film(stack)
     own = GivenFilm(0.0, CadTable().angle_tolerance, film, film)

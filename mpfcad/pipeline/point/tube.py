@@ -14,6 +14,7 @@ from mpfcad.pipeline.effort import NO_GOAL
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import write_cad
+from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
 from mpfcad.units import deg
 
 
@@ -51,7 +52,8 @@ def trace_tube_point(
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         write_cad(plan, folder, ("stl",), SILENT)
-        lit = light_film(stack, folder / "film.stl", offset)
+        write_stack_meshes(plan, folder, SILENT)
+        lit = light_film(stack.with_files_in(folder), folder / "film.stl", offset)
         run = TraceRun(seed=job.seed, threads=threads, path_limit=path_limit)
         found = luminance_over_pitch(lit, run, half_width_goal=half_width or NO_GOAL)
         said = {"local_shift_mm": shift, **describe_luminance(found)}

@@ -265,7 +265,7 @@ def light_baseline(angle_tolerance: float, preset: str = BASELINE_PRESET) -> Lit
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
         write_stl(baseline_film(stack), mesh, angle_tolerance)
-        return light_film(stack, mesh)
+        return light_film(stack.with_bare(mesh), mesh)
 
 
 def baseline_film(stack: Stack) -> PrismFilm:

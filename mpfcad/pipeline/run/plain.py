@@ -39,13 +39,12 @@ def trace_plain(plan: Plan, folder: Path, run: TraceRun, half_width_goal: float)
     """
     from mpfcad.cad import write_stl
 
-    stack = plan.stack.with_files_in(folder).without_resin()
+    stack = plan.stack.with_files_in(folder)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "plain.stl"
         write_stl(_plain_film(plan), mesh, plan.job.cad.angle_tolerance)
         goal = max(half_width_goal, PLAIN_GOAL)
-        # Of a film without resin, the prisms are the film.
-        return trace_luminance(light_film(stack.with_prism(mesh), mesh), run, goal)
+        return trace_luminance(light_film(stack.with_bare(mesh), mesh), run, goal)
 
 
 def _plain_film(plan: Plan) -> PrismFilm:
