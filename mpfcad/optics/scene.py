@@ -17,7 +17,7 @@ from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
 from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.emission import Emission, EmissionArrays
 from mpfcad.optics.cavity.finite import NO_WALL
-from mpfcad.optics.element import FILM, LIBRARY_FILM, Cavity, Element, Film, Slab
+from mpfcad.optics.element import FILM, LIBRARY_FILM, Cavity, Element, Film, LibraryFilm, Slab
 from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.library.piece import LibraryArrays, build_libraries
 from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
@@ -128,7 +128,7 @@ def _check_order(elements: list[Element]) -> None:
             )
         upper = elements[i + 1] if i + 1 < len(elements) else None
         if isinstance(element, Slab) and element.bonded:
-            if not isinstance(upper, Film | Slab):
+            if not isinstance(upper, Film | LibraryFilm | Slab):
                 raise TraceError("a bonded slab needs a film or slab on it")
             if isinstance(upper, Film) and upper.flipped:
                 raise TraceError("a film upside down cannot be bonded on a slab")
@@ -140,7 +140,8 @@ def _check_order(elements: list[Element]) -> None:
         lower = elements[i - 1] if i else None
         lies_on = isinstance(lower, Slab) and lower.bonded
         floats = lower is not None or isinstance(element, Slab)
-        if isinstance(element, Film | Slab) and element.index_below != 1 and floats and not lies_on:
+        in_index = isinstance(element, Film | LibraryFilm | Slab) and element.index_below != 1
+        if in_index and floats and not lies_on:
             raise TraceError(f"{element.name}: index_below: expected a bonded slab under it")
 
 

@@ -8,7 +8,8 @@ import pytest
 
 from mpfcad.backlight import read_stack
 from mpfcad.cad import write_stl
-from mpfcad.design import Grid, Response, cosine_basis, estimate_operators
+from mpfcad.design import Grid, Response, cosine_basis, estimate, estimate_operators
+from mpfcad.errors import InputError
 from mpfcad.film import Groove, PrismFilm
 
 
@@ -47,6 +48,21 @@ def test_the_grid_mirrors_states_onto_states():
     assert (grid.mirrored_state[grid.mirrored_state] == np.arange(10 * grid.directions)).all()
     low = grid.corner[:, 0]
     assert low[grid.mirrored] == pytest.approx(-low - 2 / 6)
+
+
+def test_a_film_with_resin_of_its_own_material_has_operators(monkeypatch):
+    for name in ("WORLD_SAMPLES", "FILM_SAMPLES", "METER_SAMPLES"):
+        monkeypatch.setattr(estimate, name, 16)
+    own = {"resin_index": 1.45, "resin_absorption_per_mm": 100.0}
+    stack, node = read_stack("thesis-32in-mpf", overrides=own), np.array([10.0, 80.0])
+    arguments = stack, Groove(0.05, 0.025), 0.2
+    grid = Grid(cells=10, across=6, along=3)
+    full, empty = estimate_operators(*arguments, "filled", node, grid=grid).film.sum(axis=(1, 2))
+    # The resin of the fuller film absorbs; the empty one has none.
+    assert empty == pytest.approx(2 * grid.directions + 1, abs=1e-9)
+    assert full < 0.9 * empty
+    with pytest.raises(InputError, match="ideal: has no resin of its own"):
+        estimate_operators(*arguments, "ideal", node, grid=grid)
 
 
 @pytest.fixture(scope="module")

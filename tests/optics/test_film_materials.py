@@ -161,7 +161,7 @@ def test_a_slot_with_values_of_its_own_has_the_films_layers_too(tmp_path):
     path.write_text(f'extends = "thesis-32in-mpf"\n{layers}{values}')
     mesh = film_mesh(tmp_path, MIXED)
     elements = lower_stack(read_stack(path), mesh)
-    assert [one.name for one in elements] == ["cavity", "plate", "film base", "turned"]
+    assert [one.name for one in elements] == ["reflector", "plate", "film base", "turned"]
     film = elements[-1]
     assert (film.index, film.index_below, film.rotation) == (1.52, 1.65, math.radians(30))
     build_scene(elements)
