@@ -13,6 +13,7 @@ from page import NAMED, PAGES, blocks, write_files
 from mpfcad.backlight import read_stack
 from mpfcad.cli.app import app
 from mpfcad.job import read_job
+from mpfcad.job.design import read_design
 from mpfcad.job.fit import read_fit
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
@@ -43,6 +44,8 @@ def test_files_are_read_as_jobs_and_stacks(page, tmp_path):
             path = tmp_path / (named[1] if named else "fit.toml")
             path.write_text(text, "utf-8")
             assert read_fit(path).name == document["name"]
+        elif "name" in document and "map" not in document:
+            assert read_design(tmp_path / named[1]).name == document["name"]
         elif "name" in document:
             assert read_job(tmp_path / named[1]).name == document["name"]
         elif named:
