@@ -25,6 +25,7 @@ _INFLUENCE = (
     ("pitch_across_mm", "distance of the LEDs: the contrast, and the map's own scale"),
     ("pitch_along_mm", "distance of the LEDs: the contrast, and the map's own scale"),
     ("height_mm", _START),
+    ("hole_radius_mm", _LOSS),
     ("radius_mm", "size of the lamps: contrast, and the light that they absorb"),
     ("plate_thickness_mm", _SPREAD),
     ("base_um", "distance from the prisms to the plate; little of either"),
