@@ -157,9 +157,9 @@ def line(colour: str, width: float, dash: str | None = None) -> dict[str, Any]:
     return {"color": colour, "width": width, "dash": dash}
 
 
-def broken(label: str) -> str:
-    """Return a label of an axis in lines that leave the plot some room on a phone."""
-    return "<br>".join(wrap(label, LABEL))
+def broken(label: str, signs: int = LABEL) -> str:
+    """Return a label in lines of so many signs, which leave the plot some room on a phone."""
+    return "<br>".join(wrap(label, signs))
 
 
 def rounded(values: ArrayLike, digits: int) -> list[float]:

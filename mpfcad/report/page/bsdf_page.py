@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.bsdf.basis import AngleBasis, klems_basis
 from mpfcad.optics.bsdf.rebin import overlap
 from mpfcad.optics.bsdf.table import SIDES, WAYS, BsdfTable
-from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR, styled
+from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR, broken, styled
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.page.environment import render
 
@@ -20,7 +20,9 @@ SHOWN_DEG = (0.0, 30.0, 60.0)
 _MOST_BINS = 400
 _DECADES = 3
 #: Room [px] for the titles of four plots beside each other.
-_LEAST_WIDTH = 760
+_LEAST_WIDTH = 560
+#: Signs in a line of such a title.
+_TITLE = 16
 
 
 def bsdf_page(table: BsdfTable) -> str:
@@ -72,11 +74,14 @@ def lobe_figure(table: BsdfTable) -> "go.Figure":
     from plotly.subplots import make_subplots
 
     titles = [
-        f"{theta:g}° from {side}, {way}" for theta in SHOWN_DEG for side in SIDES for way in WAYS
+        broken(f"{theta:g}° from {side}, {way}", _TITLE)
+        for theta in SHOWN_DEG
+        for side in SIDES
+        for way in WAYS
     ]
     figure = make_subplots(
         rows=len(SHOWN_DEG), cols=4, specs=[[{"type": "polar"}] * 4] * len(SHOWN_DEG),
-        subplot_titles=titles, horizontal_spacing=0.03, vertical_spacing=0.06,
+        subplot_titles=titles, horizontal_spacing=0.03, vertical_spacing=0.09,
     )  # fmt: skip
     rows = [_lobes(table, np.radians(theta)) for theta in SHOWN_DEG]
     basis = rows[0][0]
@@ -104,7 +109,8 @@ def lobe_figure(table: BsdfTable) -> "go.Figure":
         coloraxis={"colorscale": "Viridis", "cmin": top - _DECADES, "cmax": top,
                    "colorbar": {"title": "log₁₀ BSDF", "thickness": 12}}
     )  # fmt: skip
-    return styled(figure, 250 * len(SHOWN_DEG)).update_layout(hovermode="closest")
+    styled(figure, 250 * len(SHOWN_DEG)).update_annotations(font_size=11)
+    return figure.update_layout(hovermode="closest")
 
 
 def _lobes(table: BsdfTable, theta: float) -> tuple[AngleBasis, NDArray[np.float64]]:
