@@ -14,6 +14,7 @@ from mpfcad.errors import InputError
 from mpfcad.optics.element import Element, Film, LibraryFilm, Slab
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.library.piece import Library
+from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.search.chain import build_chain
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.units import deg, um
@@ -23,7 +24,7 @@ _LEAST = 1e-6
 
 
 def lower_film(
-    stack: Stack, mesh: FilmMesh | Library, index_below: float, offset: float
+    stack: Stack, mesh: FilmMesh | Library | CellTops, index_below: float, offset: float
 ) -> list[Element]:
     """Return the film's elements from below: its layers as bonded slabs, then the prisms.
 
@@ -48,7 +49,7 @@ def lower_film(
             Slab(index, height, 0.0, absorption, bonded=True, name=words, index_below=below)
         )
         below, thickness = index, thickness + height
-    if isinstance(mesh, Library):
+    if isinstance(mesh, Library | CellTops):
         return [*elements, _library(stack, mesh, thickness, below, offset)]
     resin = _resin(stack, mesh)
     if thickness:
@@ -73,7 +74,7 @@ def _lie(stack: Stack) -> tuple[str, float, bool]:
 
 
 def _library(
-    stack: Stack, library: Library, thickness: float, below: float, offset: float
+    stack: Stack, library: Library | CellTops, thickness: float, below: float, offset: float
 ) -> LibraryFilm:
     """Return the film as a library of pieces, without the layers of this thickness [mm] under it.
 
@@ -89,10 +90,8 @@ def _library(
             "resin as its prisms"
         )
     if thickness:
-        _refuse_thick(stack.name, thickness, min(float(s[:, 1].min()) for s in library.section))
-        library = replace(
-            library, section=tuple(corner - (0.0, thickness) for corner in library.section)
-        )
+        _refuse_thick(stack.name, thickness, library.low)
+        library = library.lowered(thickness)
     return LibraryFilm(library, stack.of_film("index"), below, offset, name, rotation)
 
 

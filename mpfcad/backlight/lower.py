@@ -13,12 +13,13 @@ from mpfcad.errors import InputError
 from mpfcad.optics.element import BsdfSheet, Element, Film, LibraryFilm, Sheet, Slab
 from mpfcad.optics.library.file import is_library_file, read_library
 from mpfcad.optics.library.piece import Library
+from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.units import deg, um
 
 
 def lower_stack(
-    stack: Stack, mesh: FilmMesh | Library | None, offset: float = 0.0
+    stack: Stack, mesh: FilmMesh | Library | CellTops | None, offset: float = 0.0
 ) -> list[Element]:
     """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
@@ -87,7 +88,7 @@ def _own_layer(stack: Stack, name: str) -> Element:
         return Slab(value("index"), value("thickness_mm"), *volume, bonded, words)
     if layer.kind == "sheet":
         return Sheet(value("sigma"), value("index"), value("transmission"), words)
-    mesh: FilmMesh | Library
+    mesh: FilmMesh | Library | CellTops
     if layer.kind == "bef":
         mesh = _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base")))
     else:
@@ -95,7 +96,7 @@ def _own_layer(stack: Stack, name: str) -> Element:
         mesh = read_film(Path(layer.file))
     rotation, absorption = value("rotation_deg") * deg, value("absorption_per_mm")
     roughness = stack.get(f"{name}.roughness")
-    if isinstance(mesh, Library):
+    if isinstance(mesh, Library | CellTops):
         if layer.flipped or absorption > 0 or roughness > 0:
             raise InputError(f"{words}: a film of instances: expected upright, clear and smooth")
         return LibraryFilm(mesh, value("index"), 1.0, 0.0, words, rotation)
@@ -110,7 +111,7 @@ def printed_films(elements: Iterable[Element]) -> set[str]:
     return {one.name for one in elements if isinstance(one, LibraryFilm)}
 
 
-def read_film(path: Path) -> FilmMesh | Library:
+def read_film(path: Path) -> FilmMesh | Library | CellTops:
     """Return a film's mesh from disk, or its library of pieces from a 3MF of instances.
 
     Raises

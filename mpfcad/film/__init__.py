@@ -13,6 +13,7 @@ from mpfcad.film.cell import CellFilm, CellShape
 from mpfcad.film.curvature.file import read_curvature_table, write_curvature_map
 from mpfcad.film.curvature.map import CurvatureMap, Extent, Repeat, check_curvature
 from mpfcad.film.curvature.table import CurvatureTable, build_curvature_map
+from mpfcad.film.field.cells import CellLibrary, build_cell_library
 from mpfcad.film.field.field import CurvatureField, FieldFilm, PanelField
 from mpfcad.film.field.file import (
     is_field_file,
@@ -40,6 +41,7 @@ from mpfcad.film.process.posterior import (
 )
 from mpfcad.film.process.tone import ToneBelief, ToneCurve
 from mpfcad.film.process.write import Coupon, write_process, write_tone_process
+from mpfcad.film.pyramid import PyramidGroove
 from mpfcad.film.section import Section
 from mpfcad.film.stylus.file.reading import (
     ReadingOption,
@@ -56,6 +58,7 @@ __all__ = [
     "PROFILES",
     "Calibration",
     "CellFilm",
+    "CellLibrary",
     "CellShape",
     "Coupon",
     "CurvatureCell",
@@ -76,6 +79,7 @@ __all__ = [
     "PrismFilm",
     "Process",
     "Profile",
+    "PyramidGroove",
     "ReadingOption",
     "Repeat",
     "RepeatedField",
@@ -86,6 +90,7 @@ __all__ = [
     "ToneBelief",
     "ToneCurve",
     "average_groove",
+    "build_cell_library",
     "build_curvature_map",
     "build_library",
     "build_section",

@@ -107,7 +107,7 @@ class PrismFilm:
     @property
     def resin_height(self) -> NDArray[np.float64]:
         """Resin of each groove over the area that it takes, its mean height, (n,) float64 [mm]."""
-        return self.fill_fraction * self.groove.depth / 2
+        return self.fill_fraction * self.groove.room
 
     @property
     def fill_volume(self) -> float:

@@ -68,6 +68,11 @@ class Groove:
         return self.half_width * self.depth
 
     @property
+    def room(self) -> float:
+        """Resin that fills the groove, over the film's area [mm]: half of the depth."""
+        return self.depth / 2
+
+    @property
     def curvature_covered(self) -> float:
         """Largest C at which resin still covers the walls up to the tips, s/w [1/mm]."""
         return self.wall_slope / self.half_width

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from mpfcad.film import Groove
+from mpfcad.film import Groove, PyramidGroove
 from mpfcad.job.table import Positive, Table
 from mpfcad.units import deg, um
 
@@ -92,7 +92,13 @@ class FilmTable(Table):
     @property
     def groove(self) -> Groove:
         """The designed groove: the one that mask, CAD files and trace are made of."""
-        return Groove(self._inside("pitch_um"), self._inside("depth_um"))
+        return self._kind(self._inside("pitch_um"), self._inside("depth_um"))
+
+    @property
+    def _kind(self) -> type[Groove]:
+        """What is filled: a groove, or the valleys between pyramids."""
+        between = self.cell == "pyramid" and self.profile == "filled"
+        return PyramidGroove if between else Groove
 
     @property
     def groove_as_made(self) -> Groove:

@@ -263,6 +263,17 @@ class Job(Table):
     confidence: ConfidenceTable | None = None
 
     @property
+    def has_cells(self) -> bool:
+        """Whether the film is pyramids or dishes whose curvature varies from cell to cell."""
+        return self.film.cell != "groove" and self.map.curvature_per_mm is None
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether a mask prints the film: grooves, or valleys between pyramids, with resin."""
+        cell = self.film.cell == "groove" or (self.film.cell == "pyramid" and self.has_cells)
+        return self.film.profile == "filled" and cell
+
+    @property
     def wants_confidence(self) -> bool:
         """Whether the verdict's confidence is to be found."""
         return self.confidence is not None or self.gates.confidence_min is not None

@@ -11,11 +11,12 @@ from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.library.piece import Library
+from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.sound import refuse_unsound
 
 #: Kinds as the kernels know them.
-CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM = range(6)
+CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM, CELL_FILM = range(7)
 #: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
 TABLE = 0
 #: Tiles of a film's mesh that a cell must hold for the film to be called even.
@@ -195,7 +196,7 @@ class Film(Mirrored):
 
 @dataclass(frozen=True, eq=False)
 class LibraryFilm(Mirrored):
-    """A film as a library of groove pieces and their places.
+    """A film as a library of groove pieces, or of cells, and their places.
 
     Attributes
     ----------
@@ -209,7 +210,7 @@ class LibraryFilm(Mirrored):
         angle [rad] by which it is turned about z through the scene's origin: π/2 is crossed
     """
 
-    library: Library
+    library: Library | CellTops
     index: float
     index_below: float = 1.0
     offset: float = 0.0

@@ -18,6 +18,7 @@ from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.element import (
     BSDF,
     CAVITY,
+    CELL_FILM,
     FILM,
     LIBRARY_FILM,
     SHEET,
@@ -32,6 +33,7 @@ from mpfcad.optics.element import (
     Slab,
 )
 from mpfcad.optics.film import passage as film
+from mpfcad.optics.library.top import CellTops
 
 #: Columns of a row: as many as the kind with most of them needs.
 COLUMNS = 16
@@ -53,11 +55,11 @@ class Rows:
 
 
 class Shared:
-    """The tiles, libraries, phase functions and BSDF tables of a scene's elements."""
+    """The tiles, libraries, cells, phase functions and BSDF tables of a scene's elements."""
 
     def __init__(self) -> None:
         self.tiles, self.phases, self.bsdfs = Rows(), Rows(), Rows()
-        self.libraries = Rows()
+        self.libraries, self.cells = Rows(), Rows()
 
     def bsdf_row(self, table: BsdfTable | None, blend: float) -> float:
         """Return the row of a table, or -1 where there is none."""
@@ -81,6 +83,8 @@ def lower_element(element: Element, shared: Shared) -> tuple[int, NDArray[np.flo
             row = np.zeros(COLUMNS)
             for column, value in columns_of(element, shared).items():
                 row[column] = float(value)
+            if isinstance(element, LibraryFilm) and isinstance(element.library, CellTops):
+                kind = CELL_FILM
             return kind, row
     names = ", ".join(known.__name__ for known in _LOWERED)
     raise TraceError(f"element {type(element).__name__}: expected one of {names}")
@@ -183,13 +187,14 @@ def _film_columns(placed: Film, shared: Shared) -> Mapping[int, float]:
 def _library_columns(placed: LibraryFilm, shared: Shared) -> Mapping[int, float]:
     cosine, sine = quadrant(placed.rotation)
     held = placed.library
+    rows = shared.cells if isinstance(held, CellTops) else shared.libraries
     return {
         film.INDEX: placed.index,
         film.INDEX_BELOW: placed.index_below,
         film.OFFSET: placed.offset,
         film.COSINE: cosine,
         film.SINE: sine,
-        film.TILE: shared.libraries.number(id(held), held),
+        film.TILE: rows.number(id(held), held),
     }
 
 

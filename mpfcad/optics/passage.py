@@ -4,8 +4,9 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.cavity.passage import cavity_passage
-from mpfcad.optics.element import BSDF, CAVITY, LIBRARY_FILM, SHEET, SLAB, TABLE
+from mpfcad.optics.element import BSDF, CAVITY, CELL_FILM, LIBRARY_FILM, SHEET, SLAB, TABLE
 from mpfcad.optics.film.passage import placed_film_passage
+from mpfcad.optics.library.cell_passage import placed_cell_passage
 from mpfcad.optics.library.passage import placed_library_passage
 from mpfcad.optics.sheet import INDEX, SIGMA, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
@@ -46,6 +47,10 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     elif kind == LIBRARY_FILM:
         way, x, y, dx, dy, dz = placed_library_passage(
             scene.library, parameter, up, x, y, dx, dy, dz, rng
+        )
+    elif kind == CELL_FILM:
+        way, x, y, dx, dy, dz = placed_cell_passage(
+            scene.cells, parameter, up, x, y, dx, dy, dz, rng
         )
     else:
         way, x, y, dx, dy, dz, survival = placed_film_passage(

@@ -17,9 +17,19 @@ from mpfcad.optics.bsdf.passage import BsdfArrays, build_bsdf
 from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.cavity.emission import Emission, EmissionArrays
 from mpfcad.optics.cavity.finite import NO_WALL
-from mpfcad.optics.element import FILM, LIBRARY_FILM, Cavity, Element, Film, LibraryFilm, Slab
+from mpfcad.optics.element import (
+    CELL_FILM,
+    FILM,
+    LIBRARY_FILM,
+    Cavity,
+    Element,
+    Film,
+    LibraryFilm,
+    Slab,
+)
 from mpfcad.optics.film.passage import TILE
 from mpfcad.optics.library.piece import LibraryArrays, build_libraries
+from mpfcad.optics.library.top import CellArrays, build_cells
 from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
 from mpfcad.optics.search.tile import ACCELERATORS, build_tile
 from mpfcad.optics.search.tile_table import TileTable, build_tile_table
@@ -41,8 +51,8 @@ class Scene(NamedTuple):
         the tiles of the films and of the prisms under their resin
     phase
         (r, STEPS+1) float64, tabulated phase functions
-    library
-        films that are pieces and their places
+    library, cells
+        films that are pieces of grooves, or cells, and their places
     bsdf
         the tables of all BSDF elements
     wall, lamp
@@ -61,6 +71,7 @@ class Scene(NamedTuple):
     phase: NDArray[np.float64]
     bsdf: BsdfArrays
     library: LibraryArrays
+    cells: CellArrays
     wall: NDArray[np.float64]
     lamp: NDArray[np.float64]
     led: NDArray[np.float64]
@@ -75,6 +86,7 @@ class Scene(NamedTuple):
         films = self.parameter[self.kind == FILM, TILE].astype(int)
         ways = [ACCELERATORS[a] for a in self.tiles.accelerator[films]]
         ways += ["library"] if (self.kind == LIBRARY_FILM).any() else []
+        ways += ["cells"] if (self.kind == CELL_FILM).any() else []
         return ", ".join(dict.fromkeys(ways))
 
 
@@ -110,9 +122,10 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     tables = shared.bsdfs.entries
     bsdf = build_bsdf([t for t, _ in tables], [blend for _, blend in tables])
     library = build_libraries(shared.libraries.entries)
+    cells = build_cells(shared.cells.entries)
     sky = float(below), float(above)
     return Scene(
-        kind, parameter, table, phase, bsdf, library, wall, lamp, led, emission, length, *sky
+        kind, parameter, table, phase, bsdf, library, cells, wall, lamp, led, emission, length, *sky
     )
 
 

@@ -10,8 +10,10 @@ from mpfcad.cad.check.mesh_check import (
     angle_to_surface,
     facet_area,
     narrowest_side,
+    refuse_above,
 )
 from mpfcad.cad.check.surface import FacetError, FilmSurface, check_mesh, recover_curvature
+from mpfcad.cad.step.outline import drawn_sliver
 from mpfcad.film import CellFilm
 
 #: Largest relative error of the volume of a mesh (dishes at 5°: 6e-4 by their chords).
@@ -29,6 +31,35 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
         when it is not one closed body facing outward.
     """
     return check_mesh(path, CellSurface(film), angle_tolerance)
+
+
+def check_cell(
+    path: Path, name: str, top: NDArray[np.float64], cell: CellFilm, volume: float
+) -> float:
+    """Return C [1/mm] along x of a cell of a library by its top's corners (k, 3) [mm].
+
+    Halfway along a side between two tips the height is tip - C w²/2.
+
+    Raises
+    ------
+    ExportError
+        when volume or surface is not that of the closed form.
+    """
+    refuse_above(path, f"{name}: volume error", abs(volume / cell.volume - 1), VOLUME_LIMIT)
+    w = cell.groove.half_width
+    step = float(np.spacing(np.float32(max(cell.thickness, cell.groove.pitch))))
+    steepest = cell.groove.wall_slope + max(cell.both) * w
+    off = float(np.abs(top[:, 2] - cell.height(top[:, 0], top[:, 1])).max())
+    room = 4 * (1 + steepest) * step + cell.groove.wall_slope * drawn_sliver(max(cell.size))
+    refuse_above(path, f"{name}: height error [mm]", off, room)
+    found = [
+        2 * (cell.thickness - top[np.argmin(np.hypot(top[:, 0] - x, top[:, 1] - y)), 2]) / w**2
+        for x, y in ((w, 0.0), (0.0, w))
+    ]
+    limit = 2 * room / w**2
+    error = float(np.abs(np.array(found) - cell.both).max())
+    refuse_above(path, f"{name}: curvature error [1/mm]", error, limit)
+    return float(found[0])
 
 
 class CellSurface(FilmSurface[CellFilm]):

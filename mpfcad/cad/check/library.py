@@ -1,4 +1,4 @@
-"""Read a library of groove pieces, a 3MF of instances, back with lib3mf, and compare it."""
+"""Read a library of groove pieces or cells, a 3MF of instances, back with lib3mf; compare it."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.cad.check.cell import check_cell
 from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.check.mesh_file_check import BodyCheck, body_volume, check_volume, merged_height
 from mpfcad.cad.check.threemf import read_model
+from mpfcad.cad.file.library import piece_name
 from mpfcad.errors import ExportError
-from mpfcad.film import PieceLibrary, PrismFilm
+from mpfcad.film import CellLibrary, PieceLibrary, PrismFilm
 
 #: A corner may be off the surface by so many steps of float32, in x and z.
 STEPS = 4
@@ -93,7 +95,7 @@ def _shift(path: Path, item: Any) -> NDArray[np.float64]:
     return table[3, :2]
 
 
-def check_library(path: Path, library: PieceLibrary) -> LibraryCheck:
+def check_library(path: Path, library: PieceLibrary | CellLibrary) -> LibraryCheck:
     """Return what the 3MF file at `path` holds, once it is found to be `library`.
 
     Raises
@@ -109,21 +111,32 @@ def check_library(path: Path, library: PieceLibrary) -> LibraryCheck:
     _check_places(path, library, found)
     volume, count, curvature = {}, {}, np.zeros(len(library.curvature))
     # The file's pieces are those in use, in their order.
-    for identity, number in zip(sorted(found.point), np.unique(library.chosen), strict=True):
-        piece, point = library.piece(int(number)), found.point[identity]
-        name = f"C {library.curvature[number]:.6f} /mm"
+    for identity, number in zip(
+        sorted(found.point), map(int, np.unique(library.chosen)), strict=True
+    ):
+        point, name = found.point[identity], piece_name(library, number)
         volume[name] = body_volume(point, found.facet[identity])
         count[name] = len(found.facet[identity])
-        check_volume(path, name, volume[name], piece.volume, piece.volume)
         top = point[point[:, 2] > 0]
-        off = float(np.abs(top[:, 2] - piece.height(top[:, 0])).max())
-        step = float(np.spacing(np.float32(max(piece.thickness, library.length))))
-        room = STEPS * (1 + piece.groove.wall_slope) * step + merged_height(piece)
-        refuse_above(path, f"{name}: height error [mm]", off, room)
-        curvature[number] = _curvature(top, piece)
+        if isinstance(library, CellLibrary):
+            curvature[number] = check_cell(path, name, top, library.piece(number), volume[name])
+        else:
+            curvature[number] = _check_piece(path, name, top, library.piece(number), volume[name])
     each = np.array(list(volume.values()))
     _, kind = np.unique(library.chosen, return_inverse=True)
     return LibraryCheck(volume, count, float(each[np.ravel(kind)].sum()), curvature[library.chosen])
+
+
+def _check_piece(
+    path: Path, name: str, top: NDArray[np.float64], piece: PrismFilm, volume: float
+) -> float:
+    """Return C [1/mm] of a groove piece by its top's corners, compared with the closed form."""
+    check_volume(path, name, volume, piece.volume, piece.volume)
+    off = float(np.abs(top[:, 2] - piece.height(top[:, 0])).max())
+    step = float(np.spacing(np.float32(max(piece.thickness, piece.length))))
+    room = STEPS * (1 + piece.groove.wall_slope) * step + merged_height(piece)
+    refuse_above(path, f"{name}: height error [mm]", off, room)
+    return _curvature(top, piece)
 
 
 def _curvature(top: NDArray[np.float64], piece: PrismFilm) -> float:
@@ -136,7 +149,7 @@ def _curvature(top: NDArray[np.float64], piece: PrismFilm) -> float:
     return float(2 * (piece.thickness - z) / (half**2 - (x - half) ** 2))
 
 
-def _check_places(path: Path, library: PieceLibrary, found: PlacedPieces) -> None:
+def _check_places(path: Path, library: PieceLibrary | CellLibrary, found: PlacedPieces) -> None:
     """Refuse instances that are not the library's, one at each place."""
     used, chosen = np.unique(library.chosen, return_inverse=True)
     if len(found.point) != len(used) or len(found.number) != library.chosen.size:
@@ -157,7 +170,9 @@ def _check_places(path: Path, library: PieceLibrary, found: PlacedPieces) -> Non
         )
 
 
-def mean_difference(library: PieceLibrary, found: NDArray[np.float64], side: float) -> float:
+def mean_difference(
+    library: PieceLibrary | CellLibrary, found: NDArray[np.float64], side: float
+) -> float:
     """Return the largest difference [1/mm] of C found (n, m) from the map's, mean over squares.
 
     Pieces are rounded to few curvatures, and what is left is handed on: means are what they keep.
@@ -165,6 +180,8 @@ def mean_difference(library: PieceLibrary, found: NDArray[np.float64], side: flo
     """
     step = [max(1, round(side / size)) for size in (library.groove.pitch, library.length)]
     edge = [np.arange(0, count, by) for count, by in zip(found.shape, step, strict=True)]
-    off = np.add.reduceat(np.add.reduceat(found - library.wanted, edge[0], 0), edge[1], 1)
+    # Cells are read along x, where their map is that along y too.
+    wanted = library.wanted[..., 0] if library.wanted.ndim == 3 else library.wanted
+    off = np.add.reduceat(np.add.reduceat(found - wanted, edge[0], 0), edge[1], 1)
     count = [np.diff(np.append(e, n)) for e, n in zip(edge, found.shape, strict=True)]
     return float(np.abs(off / np.outer(*count)).max())

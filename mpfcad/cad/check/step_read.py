@@ -29,6 +29,21 @@ REPAIRS = (
 def read_bodies(path: Path, *, repair: bool) -> dict[str, TopoDS_Shape]:
     """Return the bodies in the file by name, read with OCCT: as they are, or as OCCT repairs them.
 
+    Raises
+    ------
+    ExportError
+        when the file cannot be read, or two bodies have one name.
+    """
+    bodies = read_instances(path, repair=repair)
+    for name, shapes in bodies.items():
+        if len(shapes) > 1:
+            raise ExportError(f"{path.name}: two bodies named {name}")
+    return {name: shapes[0] for name, shapes in bodies.items()}
+
+
+def read_instances(path: Path, *, repair: bool) -> dict[str, list[TopoDS_Shape]]:
+    """Return all bodies of each name, where they stand.
+
     Edges of patches have curves in the patch that OCCT computes itself; it then has to fit them.
     """
     from OCP.collections import Sequence_TDF_Label
@@ -51,12 +66,10 @@ def read_bodies(path: Path, *, repair: bool) -> dict[str, TopoDS_Shape]:
         raise ExportError(f"{path.name}: OCCT cannot read this file")
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    bodies: dict[str, TopoDS_Shape] = {}
+    bodies: dict[str, list[TopoDS_Shape]] = {}
     for index in range(1, roots.Length() + 1):
         for name, shape in _parts(roots.Value(index)):
-            if name in bodies:
-                raise ExportError(f"{path.name}: two bodies named {name}")
-            bodies[name] = shape
+            bodies.setdefault(name, []).append(shape)
     return bodies
 
 

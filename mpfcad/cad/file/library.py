@@ -1,4 +1,4 @@
-"""Write a library of groove pieces as a 3MF file: a mesh each piece, an instance each place."""
+"""Write a library of groove pieces, or of cells, as 3MF: a mesh a piece, an instance a place."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.file.threemf import CORE, XML, mesh_rows, store_package
+from mpfcad.cad.shape.cell_mesh import build_cell_mesh
 from mpfcad.cad.shape.mesh import Mesh, build_cross_section
-from mpfcad.film import PieceLibrary
+from mpfcad.film import CellLibrary, PieceLibrary
 
 
 def piece_section(library: PieceLibrary, number: int, angle_tolerance: float) -> NDArray:
@@ -46,7 +47,7 @@ def piece_mesh(section: NDArray[np.float64], length: float) -> Mesh:
 
 
 def write_library(
-    library: PieceLibrary, path: Path, angle_tolerance: float, *, name: str = "film"
+    library: PieceLibrary | CellLibrary, path: Path, angle_tolerance: float, *, name: str = "film"
 ) -> None:
     """Write each piece in use as a mesh within `angle_tolerance` [rad], and an item a place.
 
@@ -55,23 +56,40 @@ def write_library(
     store_package(Path(path), _model(library, angle_tolerance, name))
 
 
-def _model(library: PieceLibrary, angle_tolerance: float, name: str) -> Iterator[str]:
+def used_meshes(
+    library: PieceLibrary | CellLibrary, angle_tolerance: float
+) -> Iterator[tuple[int, str, Mesh]]:
+    """Give number, name and closed mesh of each piece that stands somewhere."""
+    for number in map(int, np.unique(library.chosen)):
+        if isinstance(library, CellLibrary):
+            mesh = build_cell_mesh(library.piece(number), angle_tolerance)
+        else:
+            mesh = piece_mesh(piece_section(library, number, angle_tolerance), library.length)
+        yield number, piece_name(library, number), mesh
+
+
+def piece_name(library: PieceLibrary | CellLibrary, number: int) -> str:
+    """Return what a piece is called: its curvatures."""
+    both = dict.fromkeys(np.atleast_1d(library.curvature[number]))
+    return f"C {' x '.join(f'{c:.6f}' for c in both)} /mm"
+
+
+def _model(library: PieceLibrary | CellLibrary, angle_tolerance: float, name: str) -> Iterator[str]:
     yield f'{XML}<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}">'
     yield f'<metadata name="Title">{quoteattr(name)[1:-1]}</metadata>'
     yield '<metadata name="Application">mpfcad</metadata><resources>'
-    used = np.unique(library.chosen)
-    number = {int(piece): 1 + place for place, piece in enumerate(used)}
-    for piece, identity in number.items():
-        mesh = piece_mesh(piece_section(library, piece, angle_tolerance), library.length)
-        label = quoteattr(f"C {library.curvature[piece]:.6f} /mm")
-        yield f'<object id="{identity}" type="model" name={label}><mesh>'
+    identity: dict[int, int] = {}
+    for number, called, mesh in used_meshes(library, angle_tolerance):
+        identity[number] = 1 + len(identity)
+        label = quoteattr(called)
+        yield f'<object id="{identity[number]}" type="model" name={label}><mesh>'
         yield from mesh_rows(mesh)
         yield "</mesh></object>"
     yield "</resources><build>"
     pitch, length = library.groove.pitch, library.length
     for i, row in enumerate(library.chosen):
         yield "".join(
-            f'<item objectid="{number[int(piece)]}" transform="1 0 0 0 1 0 0 0 1 '
+            f'<item objectid="{identity[int(piece)]}" transform="1 0 0 0 1 0 0 0 1 '
             f'{i * pitch:.12g} {k * length:.12g} 0"/>'
             for k, piece in enumerate(row)
         )

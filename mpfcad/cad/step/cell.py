@@ -10,6 +10,7 @@ from pathlib import Path
 from mpfcad.cad.step.file import PLAIN, Header
 from mpfcad.cad.step.outline import drawn_sliver
 from mpfcad.cad.step.patch_solid import PatchSolid, Place
+from mpfcad.cad.step.product import Products
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm
 
@@ -32,10 +33,7 @@ def write_cell_step(
     cells = film.count[0] * film.count[1]
     if cells > MOST_CELLS:
         raise InputError(f"film: {cells} cells: expected at most {MOST_CELLS} in a STEP file")
-    if film.curvature / 2 * film.groove.half_width**2 < FLAT:
-        raise InputError(
-            f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: expected cells"
-        )
+    _refuse_flat(film)
     solid = PatchSolid(header)
     draw = _draw_pyramid if film.shape == "pyramid" else _draw_dish
     for i in range(film.count[0]):
@@ -43,6 +41,13 @@ def write_cell_step(
             draw(solid, film, i, j)
     _draw_block(solid, film)
     solid.write(path, name)
+
+
+def _refuse_flat(film: CellFilm) -> None:
+    if film.curvature / 2 * film.groove.half_width**2 < FLAT:
+        raise InputError(
+            f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: expected cells"
+        )
 
 
 def _draw_pyramid(solid: PatchSolid, film: CellFilm, i: int, j: int) -> None:
@@ -78,6 +83,96 @@ def _draw_pyramid(solid: PatchSolid, film: CellFilm, i: int, j: int) -> None:
             across = (b, -a, 0)
             normal = (-a * s / size, -b * s / size, 1 / size)
             solid.flat([ring[k], ring[(k + 1) % 4], tip], normal, across)
+
+
+def draw_single(film: CellFilm, products: Products) -> str:
+    """Return the solid of a cell from tip to tip, its valleys in the middle, in an open file.
+
+    Raises
+    ------
+    InputError
+        for a cell of two curvatures, or one that is flat.
+    """
+    if film.both[0] != film.both[1]:
+        raise InputError(
+            f"film: a cell of C {film.both[0]:g} x {film.both[1]:g} /mm: expected one curvature "
+            "for STEP"
+        )
+    _refuse_flat(film)
+    solid = PatchSolid(products=products)
+    if film.shape == "paraboloid":
+        _draw_dish(solid, film, 0, 0)
+    else:
+        for k in range(4):
+            _draw_valley_side(solid, film, k)
+    _draw_foot(solid, film)
+    return solid.solid()
+
+
+#: Of the sides of a cell, in their order: outward, and to the left of it as seen from above.
+_SIDES = (((0, -1), (1, 0)), ((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)))
+
+
+def _side_chain(film: CellFilm, k: int) -> list[Place]:
+    """Return tip, end of the resin, its other end, next tip of side k, anticlockwise."""
+    w = film.groove.half_width
+    reach, low = _bare_ring(film)
+    (ox, oy), (lx, ly) = _SIDES[k]
+    contact = film.base + film.groove.wall_slope * reach if reach < w else film.thickness
+    at = [(-w, film.thickness), (-reach, contact), (reach, contact), (w, film.thickness)]
+    if reach == 0:
+        at = [at[0], (0.0, low), at[3]]
+    elif reach == w:
+        at = [at[0], at[3]]
+    return [(w + ox * w + lx * t, w + oy * w + ly * t, z) for t, z in at]
+
+
+def _draw_valley_side(solid: PatchSolid, film: CellFilm, k: int) -> None:
+    """Add the valley that runs from a cell's middle to its side k."""
+    w = film.groove.half_width
+    reach, low = _bare_ring(film)
+    (ox, oy), (lx, ly) = _SIDES[k]
+    middle = (w, w, low)
+    chain = _side_chain(film, k)
+    # The ends of the resin on both ridges, which run to the tips.
+    ridge = [
+        (w + reach * (ox + sign * lx), w + reach * (oy + sign * ly), chain[1][2])
+        for sign in (-1, 1)
+    ]
+    if reach:
+        ends = [chain[0], chain[-1]] if reach == w else ridge
+        for sign, end in ((-1, ends[0]), (1, ends[1])):
+            along = ((ox + sign * lx) / math.sqrt(2), (oy + sign * ly) / math.sqrt(2))
+            if (middle, end) not in solid.edges:
+                solid.edge(middle, end, solid.bowl(middle, along, film.curvature / 2))
+        left, right = (chain[0], chain[-1]) if reach == w else (chain[1], chain[2])
+        bottom = (w + ox * w, w + oy * w, low)
+        solid.edge(left, right, solid.bowl(bottom, (lx, ly), film.curvature))
+        places = [middle, left, right] if reach == w else [middle, ends[0], left, right, ends[1]]
+        # It runs across the side, as the valley at a side before does.
+        solid.face(places, _valley(solid, film, middle, k + 1))
+    if reach < w:
+        size, s = math.hypot(1, film.groove.wall_slope), film.groove.wall_slope
+        for sign, tip, inner, outer in (
+            (-1, chain[0], ridge[0], chain[1]),
+            (1, chain[-1], ridge[1], chain[-2]),
+        ):
+            start = middle if reach == 0 else inner
+            places = [start, tip, outer] if sign < 0 else [start, outer, tip]
+            normal = (-sign * lx * s / size, -sign * ly * s / size, 1 / size)
+            solid.flat(places, normal, (ox, oy, 0))
+
+
+def _draw_foot(solid: PatchSolid, film: CellFilm) -> None:
+    """Add underside and sides of one cell from tip to tip."""
+    pitch = film.groove.pitch
+    feet = [(0.0, 0.0, 0.0), (pitch, 0.0, 0.0), (pitch, pitch, 0.0), (0.0, pitch, 0.0)]
+    solid.flat([feet[0], feet[3], feet[2], feet[1]], (0, 0, -1), (1, 0, 0))
+    for k, ((ox, oy), _) in enumerate(_SIDES):
+        chain = _side_chain(film, k)
+        if film.shape == "paraboloid":
+            chain = [chain[0], chain[-1]]
+        solid.flat([feet[k], feet[(k + 1) % 4], *chain[::-1]], (ox, oy, 0), (0, 0, 1))
 
 
 def _bare_ring(film: CellFilm) -> tuple[float, float]:

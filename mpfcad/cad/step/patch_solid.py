@@ -16,9 +16,9 @@ Place = tuple[float, float, float]
 class PatchSolid:
     """Corners, edges and faces of one solid; each is made once."""
 
-    def __init__(self, header: Header = PLAIN) -> None:
-        self.file = StepFile(header)
-        self.products = Products(self.file)
+    def __init__(self, header: Header = PLAIN, products: Products | None = None) -> None:
+        self.products = Products(StepFile(header)) if products is None else products
+        self.file = self.products.file
         self.corners: dict[Place, str] = {}
         self.edges: dict[tuple[Place, Place], str] = {}
         self.faces: list[str] = []
@@ -74,9 +74,13 @@ class PatchSolid:
         plane = file.plane(file.point(*places[0]), file.direction(*normal), file.direction(*across))
         self.face(places, plane)
 
+    def solid(self) -> str:
+        """Return the faces as one closed solid."""
+        shell = self.file.add(f"CLOSED_SHELL('',({','.join(self.faces)}))")
+        return self.file.add(f"MANIFOLD_SOLID_BREP('film',{shell})")
+
     def write(self, path: Path, name: str) -> None:
         """Write the faces as one closed solid `film` of an assembly with this name."""
-        shell = self.file.add(f"CLOSED_SHELL('',({','.join(self.faces)}))")
-        body = self.file.add(f"MANIFOLD_SOLID_BREP('film',{shell})")
+        body = self.solid()
         self.products.assembly(name, {"film": self.products.part("film", [body], FILM_COLOUR)})
         self.products.write(Path(path), name)

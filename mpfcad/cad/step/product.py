@@ -46,18 +46,47 @@ class Products:
 
     def assembly(self, name: str, parts: dict[str, tuple[str, str]]) -> None:
         """Add a product that holds each part once, where it was drawn."""
+        shape = self.file.add(f"SHAPE_REPRESENTATION('',({self.origin}),{self.context})")
+        uses = [(part, self.origin) for part in parts]
+        self._uses(self._product(name, shape), shape, parts, uses)
+
+    def placed(
+        self,
+        name: str,
+        parts: dict[str, tuple[str, str]],
+        where: dict[str, list[tuple[float, float]]],
+    ) -> None:
+        """Add a product that holds each part at all its places (x, y) [mm], moved alone."""
         file = self.file
-        shape = file.add(f"SHAPE_REPRESENTATION('',({self.origin}),{self.context})")
-        whole = self._product(name, shape)
-        place = file.add(f"ITEM_DEFINED_TRANSFORMATION('','',{self.origin},{self.origin})")
-        for number, (part, (definition, part_shape)) in enumerate(parts.items(), 1):
+        z, x = file.direction(0, 0, 1), file.direction(1, 0, 0)
+        uses = [
+            (part, file.axes(file.point(*place, 0), z, x))
+            for part, places in where.items()
+            for place in places
+        ]
+        axes = ",".join(dict.fromkeys([self.origin, *(place for _, place in uses)]))
+        shape = file.add(f"SHAPE_REPRESENTATION('',({axes}),{self.context})")
+        self._uses(self._product(name, shape), shape, parts, uses)
+
+    def _uses(
+        self,
+        whole: str,
+        shape: str,
+        parts: dict[str, tuple[str, str]],
+        uses: list[tuple[str, str]],
+    ) -> None:
+        """Add an occurrence of a part for each (part, placement)."""
+        file = self.file
+        for number, (part, place) in enumerate(uses, 1):
+            definition, part_shape = parts[part]
+            moved = file.share("ITEM_DEFINED_TRANSFORMATION", "''", self.origin, place)
             use = file.add(
                 f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{number}',{text(part)},'',{whole},{definition},$)"
             )
             shape_of_use = file.add(f"PRODUCT_DEFINITION_SHAPE('Placement',$,{use})")
             relation = file.add(
                 f"(REPRESENTATION_RELATIONSHIP('','',{part_shape},{shape})"
-                f"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION({place})"
+                f"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION({moved})"
                 "SHAPE_REPRESENTATION_RELATIONSHIP())"
             )
             file.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape_of_use})")

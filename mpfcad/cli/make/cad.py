@@ -12,7 +12,9 @@ def command(
     out: Out = None,
     format: Annotated[
         str,
-        typer.Option("--format", metavar="LIST", help="Formats: step, stl, 3mf, ply, tif, dat."),
+        typer.Option(
+            "--format", metavar="LIST", help="Formats: step, stl, 3mf, ply, csv, tif, dat."
+        ),
     ] = ("step,stl"),
 ) -> int:
     """Make and check the CAD files of a job."""

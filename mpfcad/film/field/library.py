@@ -8,7 +8,7 @@ that is its own mirror image stays so: a quarter is rounded and mirrored.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
@@ -67,6 +67,17 @@ class PieceLibrary:
             return self
         return replace(self, chosen=np.tile(self.chosen, count), wanted=np.tile(self.wanted, count))
 
+    def cut(self, count: tuple[int, int]) -> "PieceLibrary":
+        """Return the window of so many pieces at the lower left corner."""
+        part = (slice(count[0]), slice(count[1]))
+        return replace(self, chosen=self.chosen[part], wanted=self.wanted[part])
+
+    def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Return z [mm] over the underside at (x, y) [mm]."""
+        i, k = places_of(self.chosen.shape, self.groove.pitch, self.length, x, y)
+        local = np.asarray(x, float) - (i + 0.5) * self.groove.pitch
+        return self.base + self.groove.height(local, self.curvature[self.chosen[i, k]])
+
     def piece(self, number: int) -> PrismFilm:
         """Return one piece as a film of one groove."""
         curvature = np.array([self.curvature[number]])
@@ -83,22 +94,43 @@ def build_library(
     InputError
         when a curvature cannot be had by resin in the groove.
     """
+    refuse_other_curvatures(wanted, groove.curvature_empty)
+    level, chosen = rounded(wanted, levels)
+    return PieceLibrary(groove, base, length, level, chosen, wanted)
+
+
+def places_of(
+    shape: tuple[int, ...], pitch: float, length: float, x: ArrayLike, y: ArrayLike
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the numbers across and along of the pieces over points [mm], one shape."""
+    x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    found = (np.floor(at / size).astype(np.int64) for at, size in ((x, pitch), (y, length)))
+    i, k = (np.clip(n, 0, count - 1) for n, count in zip(found, shape, strict=True))
+    return i, k
+
+
+def refuse_other_curvatures(wanted: NDArray[np.float64], most: float) -> None:
+    """Raise for curvatures outside 0 … most [1/mm]."""
     low, high = float(wanted.min()), float(wanted.max())
-    most = groove.curvature_empty
     if not np.isfinite(wanted).all() or low < 0 or high > most:
         raise InputError(f"map: C {low:.4g} … {high:.4g} /mm: expected 0 … {most:.6g} /mm")
+
+
+def rounded(
+    wanted: NDArray[np.float64], levels: int
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the levels (k,) [1/mm] of a map (n, m), and the number of the level at each place."""
+    low, high = float(wanted.min()), float(wanted.max())
     if high - low < 1e-9:
-        alone = np.zeros(wanted.shape, np.int64)
-        return PieceLibrary(groove, base, length, np.array([low]), alone, wanted)
+        return np.array([low]), np.zeros(wanted.shape, np.int64)
     level = np.linspace(low, high, max(2, levels))
     n, m = wanted.shape
     mirrored = np.allclose(wanted, wanted[::-1]) and np.allclose(wanted, wanted[:, ::-1])
     if not mirrored:
-        return PieceLibrary(groove, base, length, level, diffused(wanted, level), wanted)
+        return level, diffused(wanted, level)
     quarter = diffused(wanted[: -(-n // 2), : -(-m // 2)], level)
     half = np.concatenate([quarter, quarter[: n // 2][::-1]])
-    chosen = np.concatenate([half, half[:, : m // 2][:, ::-1]], axis=1)
-    return PieceLibrary(groove, base, length, level, chosen, wanted)
+    return level, np.concatenate([half, half[:, : m // 2][:, ::-1]], axis=1)
 
 
 def diffused(wanted: NDArray[np.float64], level: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""Reads a library of groove pieces from a 3MF file of instances, by lib3mf."""
+"""Reads a library of groove pieces, or of cells, from a 3MF file of instances, by lib3mf."""
 
 from pathlib import Path
 from typing import Any
@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.optics.library.piece import Library
+from mpfcad.optics.library.top import CellTops
 
 #: Places may be off the grid, and corners off each other, by so much [mm]: lib3mf's float32.
 _ROOM = 1e-5
 #: A piece's volume may differ from that under its top by this share.
 _VOLUME = 1e-5
+#: A facet stands upright whose area from above is less than this share of a cell's; how near [mm]
+#: a corner is on a cell's side.
+_SLIVER, _SIDE = 1e-12, 1e-8
 
 
 def is_library_file(path: Path) -> bool:
@@ -25,8 +29,8 @@ def is_library_file(path: Path) -> bool:
         return False
 
 
-def read_library(path: Path) -> Library:
-    """Return the library of a 3MF file whose items are groove pieces side by side.
+def read_library(path: Path) -> Library | CellTops:
+    """Return the library of a 3MF file whose items are groove pieces or cells side by side.
 
     Raises
     ------
@@ -34,16 +38,35 @@ def read_library(path: Path) -> Library:
         when a mesh is no such piece, or the places do not cover a rectangle once.
     """
     meshes, items = _items(path)
-    pieces = {identity: _piece(path, identity, *mesh) for identity, mesh in meshes.items()}
-    sizes = np.array([size for _, size in pieces.values()])
+    where = {identity: f"{path}: 3MF object {identity}" for identity in meshes}
+    sizes = np.array([_size(where[identity], point) for identity, (point, _) in meshes.items()])
     if np.ptp(sizes, axis=0).max() > _ROOM:
         raise InputError(f"{path}: 3MF: pieces of {sizes.min(0)} … {sizes.max(0)} mm: expected one")
-    pitch, length = sizes.mean(axis=0)
-    number = {identity: place for place, identity in enumerate(pieces)}
+    pitch, length = (round(float(size), 7) for size in sizes.mean(axis=0))
+    chosen = _placed(path, items, list(meshes), sizes.mean(axis=0))
+    drawn = [_section(*mesh) for mesh in meshes.values()]
+    sections = tuple(section for section in drawn if section is not None)
+    if len(sections) == len(drawn):
+        for identity, section in zip(meshes, sections, strict=True):
+            area = float(np.sum(np.diff(section[:, 0]) * (section[1:, 1] + section[:-1, 1]) / 2))
+            _check_volume(where[identity], *meshes[identity], area * length)
+        return Library(pitch, length, sections, chosen)
+    tops = tuple(_top(where[identity], *mesh, (pitch, length)) for identity, mesh in meshes.items())
+    return CellTops(pitch, length, tops, chosen)
+
+
+def _placed(
+    path: Path,
+    items: list[tuple[int, NDArray]],
+    identities: list[int],
+    size: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """Return the piece at each place of the grid, (n, m)."""
+    number = {identity: place for place, identity in enumerate(identities)}
     placed = np.array([[*shift, number[identity]] for identity, shift in items])
-    place = placed[:, :2] / (pitch, length)
+    place = placed[:, :2] / size
     grid = np.round(place - place.min(axis=0)).astype(np.int64)
-    off = float((np.abs(place - place.min(axis=0) - grid) * (pitch, length)).max())
+    off = float((np.abs(place - place.min(axis=0) - grid) * size).max())
     shape = tuple(int(n) for n in grid.max(axis=0) + 1)
     if off > _ROOM or len(np.unique(grid, axis=0)) != len(items) or len(items) != np.prod(shape):
         raise InputError(
@@ -52,8 +75,7 @@ def read_library(path: Path) -> Library:
         )
     chosen = np.zeros(shape, np.int64)
     chosen[grid[:, 0], grid[:, 1]] = placed[:, 2].astype(np.int64)
-    sections = tuple(section for section, _ in pieces.values())
-    return Library(round(float(pitch), 7), round(float(length), 7), sections, chosen)
+    return chosen
 
 
 def _items(path: Path) -> tuple[dict[int, tuple[NDArray, NDArray]], list[tuple[int, NDArray]]]:
@@ -98,25 +120,56 @@ def _shift(path: Path, item: Any) -> NDArray[np.float64]:
     return table[3, :2]
 
 
-def _piece(
-    path: Path, identity: int, point: NDArray[np.float64], facet: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (top (k, 2), size along x and y) of a piece drawn along y."""
-    where = f"{path}: 3MF object {identity}"
+def _size(where: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the extent along x and y of a piece that begins at 0, 0, 0."""
     low, high = point.min(axis=0), point.max(axis=0)
     if np.abs(low).max() > _ROOM:
         raise InputError(f"{where}: begins at {low} mm: expected 0, 0, 0")
+    return high[:2]
+
+
+def _section(point: NDArray[np.float64], facet: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Return the top (k, 2), x and z, of a piece drawn along y; None: it is not."""
+    high = point.max(axis=0)
     ends = [point[np.abs(point[:, 1] - y) < _ROOM][:, [0, 2]] for y in (0.0, high[1])]
     tops = [end[end[:, 1] > _ROOM] for end in ends]
     front, back = (top[np.argsort(top[:, 0], kind="stable")] for top in tops)
     drawn = len(ends[0]) + len(ends[1]) == len(point) and front.shape == back.shape
     if not drawn or np.abs(front - back).max() > _ROOM:
-        raise InputError(f"{where}: expected a groove's top drawn along y")
-    a, b, c = (point[facet[:, i]] for i in range(3))
-    volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
-    area = float(np.sum(np.diff(front[:, 0]) * (front[1:, 1] + front[:-1, 1]) / 2))
-    if abs(volume - area * high[1]) > _VOLUME * abs(area * high[1]):
-        raise InputError(f"{where}: volume {volume:g} mm³: expected {area * high[1]:g}, closed")
+        return None
     front[0, 0], front[-1, 0] = 0.0, round(float(high[0]), 7)
     front[[0, -1], 1] = high[2]
-    return front, high[:2]
+    return front
+
+
+def _check_volume(
+    where: str, point: NDArray[np.float64], facet: NDArray[np.int64], under: float
+) -> None:
+    """Refuse a piece that is not all that lies under its top."""
+    a, b, c = (point[facet[:, i]] for i in range(3))
+    volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+    if abs(volume - under) > _VOLUME * abs(under):
+        raise InputError(f"{where}: volume {volume:g} mm³: expected {under:g}, closed")
+
+
+def _top(
+    where: str, point: NDArray[np.float64], facet: NDArray[np.int64], size: tuple[float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the corners and facets of a cell's top: those that look up."""
+    a, b, c = (point[facet[:, i]] for i in range(3))
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    flat = _SLIVER * size[0] * size[1]
+    used, facets = np.unique(facet[area > flat], return_inverse=True)
+    covered = float(area[area > flat].sum() / 2)
+    if abs(covered - size[0] * size[1]) > _VOLUME * size[0] * size[1]:
+        raise InputError(
+            f"{where}: its top covers {covered:g} mm²: expected {size[0] * size[1]:g}, a height "
+            "over x and y"
+        )
+    corner = point[used]
+    for axis in (0, 1):  # lib3mf's float32 taken off the sides
+        for side in (0.0, size[axis]):
+            corner[np.abs(corner[:, axis] - side) < _SIDE, axis] = side
+    mean = corner[facets.reshape(-1, 3)][..., 2].mean(axis=1)
+    _check_volume(where, point, facet, float(np.sum(mean * area[area > flat] / 2)))
+    return corner, facets.reshape(-1, 3).astype(np.int64)

@@ -1,6 +1,6 @@
 """A film as few different groove pieces on a grid: what a 3MF file of instances holds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +62,15 @@ class Library:
         return float(max(corner[:, 1].max() for corner in self.section))
 
     @property
+    def low(self) -> float:
+        """Height [mm] of the lowest corner."""
+        return float(min(corner[:, 1].min() for corner in self.section))
+
+    def lowered(self, by: float) -> "Library":
+        """Return the film without so much [mm] at its underside."""
+        return replace(self, section=tuple(corner - (0.0, by) for corner in self.section))
+
+    @property
     def note(self) -> str:
         """What was read, in a line."""
         across, along = self.chosen.shape
@@ -111,8 +120,7 @@ def build_libraries(libraries: list[Library]) -> LibraryArrays:
     for library in libraries:
         chosen.append(library.chosen.ravel() + pieces)
         place.append((places, *library.chosen.shape))
-        low = min(float(part[:, 1].min()) for part in library.section)
-        size.append((library.pitch, library.length, library.high, low))
+        size.append((library.pitch, library.length, library.high, library.low))
         pieces += len(library.section)
         places += library.chosen.size
     return LibraryArrays(

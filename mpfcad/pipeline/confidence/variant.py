@@ -20,6 +20,7 @@ from mpfcad.pipeline.confidence.subject import Subject
 
 if TYPE_CHECKING:
     from mpfcad.optics.library.piece import Library
+    from mpfcad.optics.library.top import CellTops
     from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
@@ -119,7 +120,7 @@ class Variants:
         return None if self.mesh is None else self.folder / self.mesh
 
     @cached_property
-    def _mesh(self) -> "FilmMesh | Library | None":
+    def _mesh(self) -> "FilmMesh | Library | CellTops | None":
         from mpfcad.backlight.lower import read_film
 
         return None if self._shipped is None else read_film(self._shipped)

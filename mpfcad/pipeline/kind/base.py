@@ -92,8 +92,8 @@ class Kind(ABC):
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
         """Return how well both agree; `volume` [mm³] is what OCCT found in the STEP."""
 
-    def check(self, path: Path) -> Check:
-        """Return what a CAD file holds, by its suffix."""
+    def check(self, path: Path) -> Check | None:
+        """Return what a CAD file holds, by its suffix; None: it agrees, and is no body."""
         return self.check_step(path) if path.suffix == ".step" else self.check_mesh(path)
 
     def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -129,7 +129,7 @@ class Kind(ABC):
     def resin(self, mesh_volume: float, given: Print) -> ResinCheck | None:
         """Return the resin that the masks give, and that of a mesh of this volume [mm³]."""
         width, length = self.film.size
-        full = width * length * given.process.groove.depth / 2
+        full = width * length * given.process.groove.room
         by_mask = {
             name: full * float(np.mean(given.process.fill_fraction(ratio)))
             for name, ratio in given.ratio.items()

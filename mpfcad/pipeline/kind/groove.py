@@ -49,7 +49,7 @@ class Grooves(Kind):
 
         return check_stl(path, self.film, self.angle)
 
-    def check(self, path: Path) -> Check:
+    def check(self, path: Path) -> Check | None:
         from mpfcad.cad import check_3mf, check_ply
 
         if path.suffix in (".step", ".stl"):

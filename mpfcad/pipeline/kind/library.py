@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import Imperfection, MadeFilm, PieceLibrary, PrismFilm
-from mpfcad.pipeline.kind.base import Check, Kind, Print
+from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
+from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
 
 #: Side of the squares [mm] over which the rounded curvatures are compared with the map.
@@ -23,40 +24,62 @@ if TYPE_CHECKING:
 class PieceGrooves(Kind):
     """A film of groove pieces whose instances alone say where they stand: 3MF can hold that."""
 
-    formats: tuple[str, ...] = ("3mf",)
+    formats: tuple[str, ...] = ("3mf", "step", "stl", "csv", *HEIGHT_FORMATS)
     run_formats: tuple[str, ...] = ("3mf",)
     film: PieceLibrary
+    template = "report/film_library.html.j2"
     section_title = "The piece at the film's lower left corner"
     shows_grooves = False
     view_words = view_text("Grooves", "in true proportion", "film.3mf")
 
     def write(self, path: Path, name: str) -> None:
         from mpfcad.cad.file.library import write_library
+        from mpfcad.cad.file.library_window import write_window
+        from mpfcad.cad.file.placement import write_placement
+        from mpfcad.cad.step.library import write_library_step
 
-        self._refuse_other(path)
-        write_library(self.film, path, self.angle, name=name)
+        if path.suffix == ".step":
+            write_library_step(self.window, path, name=name, header=step_header(self.table))
+        elif path.suffix == ".stl":
+            write_window(self.window, path, self.angle, name)
+        elif path.suffix == ".csv":
+            write_placement(self.film, path)
+        else:
+            write_library(self.film, path, self.angle, name=name)
 
-    def check(self, path: Path) -> Check:
+    def check(self, path: Path) -> Check | None:
         from mpfcad.cad.check.library import check_library
+        from mpfcad.cad.file.library_window import check_window
+        from mpfcad.cad.file.placement import check_placement
 
-        self._refuse_other(path)
-        return check_library(path, self.film)
+        if path.suffix == ".csv":
+            check_placement(path, self.film)
+            return None
+        if path.suffix == ".stl":
+            return check_window(path, self.window)
+        return super().check(path) if path.suffix == ".step" else check_library(path, self.film)
+
+    @property
+    def window(self) -> Any:
+        """What STEP and STL hold: `cad.width_mm` by `length_mm` from the LED on."""
+        across, along = self.film.chosen.shape
+        width, length = self.table.inside("width_mm") or self.table.length, self.table.length
+        n = min(max(1, round(width / self.film.groove.pitch)), across)
+        return self.film.cut((n, min(max(1, round(length / self.film.length)), along)))
 
     def check_step(self, path: Path) -> StepCheck:
-        raise self._other(path)
+        from mpfcad.cad.check.library_step import check_library_step
+
+        return check_library_step(path, self.window)
 
     def check_mesh(self, path: Path) -> MeshCheck:
-        raise self._other(path)
+        raise self._none(path)
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
-        raise self._other(step)
+        raise self._none(stl)
 
-    def _refuse_other(self, path: Path) -> None:
-        if path.suffix != ".3mf":
-            raise self._other(path)
-
-    def _other(self, path: Path) -> InputError:
-        return InputError(f"{path.name}: a film of instances: expected 3mf, which holds instances")
+    def _none(self, path: Path) -> InputError:
+        return InputError(f"{path.name}: a film of pieces: expected to be compared piece by piece")
 
     def curvature_difference(
         self, found: NDArray[np.float64], mapped: NDArray[np.float64], given: Print | None
@@ -75,13 +98,23 @@ class PieceGrooves(Kind):
         if found is None:
             return None
         # A mask tells of whole grooves: what it gives more than is wanted, on top of the map's.
-        by_map = found.full * float(np.mean(film.groove.fill_fraction(film.wanted)))
+        by_map = found.full * float(np.mean(film.groove.fill_fraction(self.wanted)))
         whole = found.full * float(np.mean(given.process.fill_fraction(given.wanted)))
         by_mask = {name: by_map + volume - whole for name, volume in found.by_mask.items()}
         return ResinCheck(by_mask, found.in_mesh, found.full)
 
     @property
-    def pieces(self) -> PieceLibrary:
+    def wanted(self) -> NDArray[np.float64]:
+        """The map that was rounded, (n, m) [1/mm]."""
+        return self.film.wanted
+
+    @property
+    def shown(self) -> NDArray[np.float64]:
+        """The curvature at each place, (n, m) [1/mm]."""
+        return self.film.curvature[self.film.chosen]
+
+    @property
+    def pieces(self) -> PieceLibrary | None:
         return self.film
 
     @property
@@ -109,11 +142,11 @@ class PieceGrooves(Kind):
         from mpfcad.report.drawing.plot import plot
 
         film = self.film
-        curvature = film.curvature[film.chosen]
+        curvature = self.shown
         across, along = (np.arange(0.5, n) for n in film.chosen.shape)
         figure = curvature_figure(across * film.groove.pitch, along * film.length, curvature)
         return {
-            "template": "report/film_library.html.j2",
+            "template": self.template,
             "prints": True,
             "range": range_words(curvature),
             "count": len(np.unique(film.chosen)),

@@ -1,6 +1,6 @@
 """Which kind a film is."""
 
-from mpfcad.film import CellFilm, FieldPiece, MadeFilm, PieceLibrary, PrismFilm
+from mpfcad.film import CellFilm, CellLibrary, FieldPiece, MadeFilm, PieceLibrary, PrismFilm
 from mpfcad.job import CadTable
 from mpfcad.pipeline.kind.base import Kind
 from mpfcad.pipeline.kind.cell import Cells
@@ -8,6 +8,7 @@ from mpfcad.pipeline.kind.field import FieldGrooves
 from mpfcad.pipeline.kind.groove import Grooves
 from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.kind.made import MadeGrooves
+from mpfcad.pipeline.kind.piece_cells import PieceCells
 from mpfcad.pipeline.plan.made import Drawn
 
 #: Class of the film -> its kind; another kind of film is one more line.
@@ -17,6 +18,7 @@ KINDS: dict[type, type[Kind]] = {
     CellFilm: Cells,
     FieldPiece: FieldGrooves,
     PieceLibrary: PieceGrooves,
+    CellLibrary: PieceCells,
 }
 
 

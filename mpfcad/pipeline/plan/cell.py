@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.film import CurvatureMap, CurvatureSeries, Groove, check_curvature, read_curvature_cell
-from mpfcad.job import CadTable, Job, MapTable
+from mpfcad.job import Job, MapTable
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure, PrintError
 from mpfcad.pipeline.plan.groove_map import read_map
 
@@ -83,9 +83,21 @@ def wanted_over(
     return np.ascontiguousarray(at(1 - v, u).T) if turned else at(u, v)
 
 
-def piece_length(table: CadTable) -> float:
-    """Return about how long the pieces of a library are [mm]."""
-    given = table.inside("piece_mm")
+def piece_length(job: Job) -> float:
+    """Return about how long the pieces of a library are [mm]; cells are as long as wide.
+
+    Raises
+    ------
+    InputError
+        when a length is given for cells.
+    """
+    given = job.cad.inside("piece_mm")
+    if job.has_cells:
+        if given is not None:
+            raise InputError(
+                f"job: cad.piece_mm: {job.cad.piece_mm:g}: expected to be left out for cells"
+            )
+        return job.film.groove.pitch
     return PIECE if given is None else given
 
 
@@ -105,7 +117,7 @@ def read_cell_maps(
     where = str(job_file)
     _refuse(job, stack, where)
     groove, frame = job.film.groove, CellFrame.of(stack)
-    pitch, piece = groove.pitch, piece_length(job.cad)
+    pitch, piece = groove.pitch, piece_length(job)
     for film in departure.films:
         _check_error(film, groove, where)
     at = departure.film(0).on(_read(job, job_file, job.map, stack), frame.size, groove)
@@ -114,7 +126,7 @@ def read_cell_maps(
         table = job.crossed if job.crossed.is_given else job.map
         at = departure.film(1).on(_read(job, job_file, table, stack), frame.size, groove)
         found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
-    most = job.film.groove.curvature_empty
+    most = job.film.groove.curvature_most(job.film.profile)
     for wanted in found:
         low, high = float(wanted.min()), float(wanted.max())
         if not np.isfinite(wanted).all() or low < 0 or high > most * (1 + 1e-12):
@@ -127,10 +139,18 @@ def read_cell_maps(
 
 def _refuse(job: Job, stack: Stack, where: str) -> None:
     """Raise for what a film under LEDs is not made with."""
-    if job.film.profile != "filled" or not job.film.is_plain:
+    cells = job.has_cells
+    if job.film.profile != "filled" and not cells:
         raise InputError(
             f"{where}: film: under LEDs a film is held as pieces of grooves: expected profile "
             "'filled', without imperfections"
+        )
+    if not job.film.model_copy(update={"cell": "groove"}).is_plain:
+        raise InputError(f"{where}: film: expected a film as designed, without imperfections")
+    if cells and job.crossed is not None:
+        raise InputError(
+            f"{where}: crossed: film.cell {job.film.cell}: expected to be left out: cells are "
+            "patterned both ways"
         )
     if stack.needs_prism:
         raise InputError(f"{where}: resin: expected one as the prisms, clear, under LEDs")

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 from mpfcad.backlight import Stack
 from mpfcad.boundary.npz import read_arrays
 from mpfcad.errors import ExportError, InputError
-from mpfcad.film import FieldFilm, PieceLibrary, RepeatedField, build_library
+from mpfcad.film import (
+    CellLibrary,
+    FieldFilm,
+    PieceLibrary,
+    RepeatedField,
+    build_cell_library,
+    build_library,
+)
 from mpfcad.job import Job
 from mpfcad.pipeline.plan.cell import LEVELS, CellFrame, piece_length, read_cell_maps
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
@@ -75,8 +82,15 @@ class CellFilmMap:
         piece = panel.cut(first, n, self.frame.size[1])
         return Laid(panel, piece, library, first, film, None)
 
-    def _library(self, job: Job) -> PieceLibrary:
+    def _library(self, job: Job) -> PieceLibrary | CellLibrary:
         levels = LEVELS if job.cad.levels is None else job.cad.levels
+        if job.has_cells:
+            assert job.film.cell != "groove"  # has_cells says so
+            both = np.stack([self.wanted, self.wanted], axis=-1)
+            cells = build_cell_library(
+                job.film.groove, job.film.base, job.film.cell, job.film.profile, both, levels
+            )
+            return cells.repeated(self.frame.repeat)
         length = self.frame.size[1] / self.wanted.shape[1]
         cell = build_library(job.film.groove, job.film.base, length, self.wanted, levels)
         return cell.repeated(self.frame.repeat)
@@ -106,7 +120,7 @@ def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
     frames = [CellFrame.of(stack), CellFrame.of(stack).turned]
     found = []
     for name, frame in zip(CELL_FILES[: 1 if job.crossed is None else 2], frames, strict=False):
-        shape = frame.places(job.film.groove.pitch, piece_length(job.cad), str(folder))
+        shape = frame.places(job.film.groove.pitch, piece_length(job), str(folder))
         (curvature,) = read_arrays(folder / name, ("curvature_per_mm",))
         if curvature.T.shape != shape:
             raise ExportError(

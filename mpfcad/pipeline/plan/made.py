@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film import (
     CellFilm,
+    CellLibrary,
     CellShape,
     FieldPiece,
     Groove,
@@ -24,7 +25,7 @@ from mpfcad.job import Job
 from mpfcad.units import deg
 
 #: What film.step and film.stl hold.
-Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece | PieceLibrary
+Drawn = PrismFilm | MadeFilm | CellFilm | FieldPiece | PieceLibrary | CellLibrary
 
 
 def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:

@@ -189,7 +189,7 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)
     panel_map: PanelMap
-    if stack.period.along > 0 and job.film.cell != "groove":
+    if stack.period.along > 0 and job.film.cell != "groove" and not job.has_cells:
         panel_map = GrooveMap(even_cells(job, departure, count, str(job_file)))
     elif stack.period.along > 0:
         panel_map = read_cell_film_map(job, job_file, stack, departure)

@@ -46,7 +46,7 @@ def restore_plan(folder: Path, document: dict[str, Any]) -> Plan:
     stack = restore_stack(document["stack"])
     measured = None if document["measured_mm"] is None else np.array(document["measured_mm"])
     panel_map: PanelMap
-    if stack.period.along > 0 and job.film.cell == "groove":
+    if stack.period.along > 0 and (job.film.cell == "groove" or job.has_cells):
         panel_map = restore_cell_film_map(job, folder, stack)
     elif (folder / FIELD_FILE).is_file():
         count = groove_count(stack.panel_width, groove.pitch)

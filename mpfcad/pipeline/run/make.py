@@ -4,7 +4,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from mpfcad.cad import Agreement, StepCheck
+from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import PanelFilm, Process
 from mpfcad.gate import demand
@@ -24,7 +24,7 @@ from mpfcad.pipeline.progress import Progress
 #: Seconds between two lines that say how far a long file is.
 INTERVAL = 10.0
 MASK_FORMATS = tuple(FORMATS)
-CAD_FORMATS = ("step", "stl", "3mf", "ply", *HEIGHT_FORMATS)
+CAD_FORMATS = ("step", "stl", "3mf", "ply", "csv", *HEIGHT_FORMATS)
 #: Endings of the picture of a mask, and of the markers of what is too narrow in it.
 PICTURE, MARKERS = "png", "lyrdb"
 
@@ -182,11 +182,13 @@ def check_cad(
             progress.stage(f"checking {path.name}")
             if suffix in HEIGHT_FORMATS:
                 check_heights(path, drawing.grid())
-            else:
-                checks[suffix] = drawing.check(path)
+                continue
+            check = drawing.check(path)
+            if check is not None:
+                checks[suffix] = check
         found += checks.values()
         step = checks.get("step")
-        if isinstance(step, StepCheck) and "stl" in checks:
+        if isinstance(step, StepCheck) and isinstance(checks.get("stl"), MeshCheck):
             progress.stage("comparing film.step with film.stl")
             files = folder / film.file("film", "step"), folder / film.file("film", "stl")
             found.append(drawing.compare(*files, sum(step.bodies.values())))
@@ -215,7 +217,8 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
         progress.stage(f"writing {names[-1]}")
         place = f"x0 = {first * kind.film.groove.pitch:.6g} mm"
         tile.write(folder / names[-1], f"{place}, {plan.job.name}")
-        demand(tile.check(folder / names[-1]).gates)
+        check = tile.check(folder / names[-1])
+        demand(check.gates if check is not None else ())
     return names
 
 
@@ -248,10 +251,10 @@ def refuse_unprintable(job: Job, where: str) -> None:
     InputError
         when the film's profile is `ideal`, or its cells are no grooves.
     """
-    if job.film.cell != "groove":
+    if job.film.cell != "groove" and not job.is_printed:
         raise InputError(
-            f"{where}: film.cell: {job.film.cell}: the process is calibrated for grooves, so there "
-            f"is no mask: expected 'groove'"
+            f"{where}: film.cell: {job.film.cell}: no print makes it, so there is no mask: "
+            "expected 'groove', or 'pyramid' with profile 'filled' and a map over a cell of LEDs"
         )
     if job.film.profile != "filled":
         raise InputError(

@@ -34,7 +34,7 @@ def read_job_process(
     InputError
         when calibration, model or mesh is wrong, or more resin leaves the screen than it holds.
     """
-    if job.film.profile != "filled" or job.film.cell != "groove":
+    if not job.is_printed:
         return None
     table = job.mask.mesh
     mesh = None if table is None else screen_mesh(table, where)

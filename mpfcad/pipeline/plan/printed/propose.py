@@ -110,6 +110,6 @@ def with_screen(job: Job, job_file: Path, asked: Asked, groove: Groove) -> tuple
     table = job.mask.mesh
     if table is None or not table.is_auto:
         return job, None
-    if job.film.profile != "filled" or job.film.cell != "groove":
+    if not job.is_printed:
         return job.model_copy(update={"mask": job.mask.model_copy(update={"mesh": None})}), None
     return choose_screen(job, job_file, asked, groove)
