@@ -12,8 +12,10 @@ from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import is_led_design, read_led_design
 from mpfcad.optics.library.file import read_library
 from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, write_films
-from mpfcad.pipeline.led.search import TWO, LedSearch, Tried
+from mpfcad.pipeline.led.bound import least_contrast
+from mpfcad.pipeline.led.search import TWO, LedSearch
 from mpfcad.pipeline.led.tolerance import departures
+from mpfcad.pipeline.led.tried import Tried
 
 
 def design(tmp_path, text="", films=2):
@@ -98,6 +100,19 @@ def test_a_pattern_is_held_within_its_limits(tmp_path, model):
     value = best.map.at(place, place)
     assert value.min() >= 64 - 1e-9 and value.max() <= 68 + 1e-9
     assert 0.4 * 0.074 < best.found.contrast.value < 0.074
+
+
+def test_the_least_contrast_of_the_linear_model(tmp_path):
+    """One harmonic: what its limits let it take away; more room takes all."""
+    harmonic = np.array([[0.0, 0.0], [0.05, 0.0]])
+    start = Tried(CurvatureSeries(np.array([[70.0, 0.0], [1.0, 0.0]])), None, harmonic)
+    response = np.full((2, 2), -0.01)
+    for room, left in ((2.0, 0.05 - 0.01 * 1.0), (5.0, 0.05 - 0.01 * 4.0), (9.0, 0.0)):
+        text = f"[constraint]\ncurvature_min_per_mm = {70 - room}\n"
+        limit = design(tmp_path, text + f"curvature_max_per_mm = {70 + room}\n").constraint
+        found = least_contrast(limit, start, response)
+        assert found.contrast == pytest.approx(left, abs=1e-9)
+        assert abs(found.coefficient[1, 0]) == pytest.approx(min(room, 6.0), abs=1e-6)
 
 
 @pytest.mark.parametrize(

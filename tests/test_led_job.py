@@ -197,7 +197,7 @@ BAD_CELLS = [
     (CELLS.format("pyramid", "filled") + "[crossed]\n", "crossed: film.cell pyramid"),
     (CELLS.format("paraboloid", "filled"), "expected 'ideal', a mould's"),
     (CELLS.format("pyramid", "ideal").replace("40.0", "2000.0"), "C.*2000|curvature.*2000"),
-    (SERIES + "[film]\ncell = 'pyramid'\n", "expected one curvature_per_mm"),
+    (SERIES + "[film]\ncell = 'pyramid'\n", "cad.piece_mm: 0.25: expected to be left out"),
 ]
 
 

@@ -14,7 +14,7 @@ from tracer.mesh import read_mesh
 PITCH = 50.0  # µm
 
 
-def _mitsuba_mesh(mi, path, index):
+def _mitsuba_mesh(mi, path, index, to_world=None):
     vertex, facet = read_mesh(path)
     record = np.zeros(len(facet), [("count", "u1"), ("vertex", "<i4", 3)])
     record["count"], record["vertex"] = 3, facet
@@ -27,9 +27,8 @@ def _mitsuba_mesh(mi, path, index):
         )
         ply.write_bytes(header.encode() + (vertex * 1e3).astype("<f4").tobytes() + record.tobytes())
         glass = {"type": "dielectric", "int_ior": index, "ext_ior": 1.0}
-        return mi.load_dict(
-            {"type": "ply", "filename": str(ply), "face_normals": True, "bsdf": glass}
-        )
+        mesh = {"type": "ply", "filename": str(ply), "face_normals": True, "bsdf": glass}
+        return mi.load_dict(mesh if to_world is None else {**mesh, "to_world": to_world})
 
 
 def mitsuba():

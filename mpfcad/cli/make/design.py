@@ -87,6 +87,10 @@ def _print_led(record: dict[str, Any], folder: Path) -> None:
         f"H:P {record['height_over_pitch']:.3f}, the plate counted; traced from the files: "
         f"lamp_mura_contrast {found['value']:.4f} [{low:.4f}, {high:.4f}]"
     )
+    least = record["model_least"]["lamp_mura_contrast"]
+    print(
+        f"linear model of the last traces: no map of this mean within the limits below {least:.4f}"
+    )
     for one in record["bears"]:
         low, high = one["lamp_mura_contrast"]["ci95"]
         print(

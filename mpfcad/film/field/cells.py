@@ -72,6 +72,10 @@ class CellLibrary:
         wanted = np.tile(self.wanted, (*count, 1))
         return replace(self, chosen=np.tile(self.chosen, count), wanted=wanted)
 
+    def remapped(self, wanted: NDArray[np.float64], levels: int) -> "CellLibrary":
+        """Return the film of other maps of the same shape."""
+        return build_cell_library(self.groove, self.base, self.shape, self.profile, wanted, levels)
+
     def cut(self, count: tuple[int, int]) -> "CellLibrary":
         """Return the window of so many cells at the lower left corner."""
         part = (slice(count[0]), slice(count[1]))

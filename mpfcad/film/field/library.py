@@ -67,6 +67,10 @@ class PieceLibrary:
             return self
         return replace(self, chosen=np.tile(self.chosen, count), wanted=np.tile(self.wanted, count))
 
+    def remapped(self, wanted: NDArray[np.float64], levels: int) -> "PieceLibrary":
+        """Return the film of another map of the same shape."""
+        return build_library(self.groove, self.base, self.length, wanted, levels)
+
     def cut(self, count: tuple[int, int]) -> "PieceLibrary":
         """Return the window of so many pieces at the lower left corner."""
         part = (slice(count[0]), slice(count[1]))

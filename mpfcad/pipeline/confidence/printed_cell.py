@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.confidence import Factor
-from mpfcad.film import PieceLibrary, build_library
+from mpfcad.film import CellLibrary, PieceLibrary
 from mpfcad.measure import POINTS, CellResult, Lit, light_film, trace_terms
 from mpfcad.pipeline.confidence.runs import Reading, Runs
 from mpfcad.pipeline.confidence.variant import FULL, RESIN, TONE
@@ -33,7 +33,7 @@ class CellRuns(Runs):
     def __init__(
         self,
         plan: Plan,
-        films: list[PieceLibrary],
+        films: list[PieceLibrary | CellLibrary],
         found: CellResult,
         threads: int,
         progress: Progress,
@@ -63,7 +63,9 @@ class CellRuns(Runs):
             if one > 0
         ]
 
-    def changed(self, library: PieceLibrary, steps: NDArray[np.float64]) -> PieceLibrary:
+    def changed(
+        self, library: PieceLibrary | CellLibrary, steps: NDArray[np.float64]
+    ) -> PieceLibrary | CellLibrary:
         """Return a film with other resin, `steps` of the factors in units of sigma."""
         assert self.modes is not None  # without modes there are no factors
         more = np.zeros(_ASKED)
@@ -75,7 +77,7 @@ class CellRuns(Runs):
         curvature = np.asarray(groove.curvature_of_fill(np.clip(fill, 0.0, FULL)))
         levels = LEVELS if self.plan.job.cad.levels is None else self.plan.job.cad.levels
         curvature = np.minimum(curvature, groove.curvature_empty)
-        return build_library(groove, library.base, library.length, curvature, levels)
+        return library.remapped(curvature, levels)
 
     def light(self, steps: NDArray[np.float64]) -> Lit:
         """Return the films with other resin, written and read back, in the job's stack."""

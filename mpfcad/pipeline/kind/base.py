@@ -14,7 +14,7 @@ from mpfcad.cad import Agreement, BodyCheck, MeshCheck, StepCheck
 from mpfcad.cad.file.height import HeightGrid, build_height_grid
 from mpfcad.cad.step.file import Header
 from mpfcad.errors import InputError
-from mpfcad.film import MadeFilm, PanelFilm, PieceLibrary, PrismFilm, Process
+from mpfcad.film import CellLibrary, MadeFilm, PanelFilm, PieceLibrary, PrismFilm, Process
 from mpfcad.job import CadTable
 from mpfcad.record import ResinCheck
 from mpfcad.units import um
@@ -151,8 +151,8 @@ class Kind(ABC):
         raise NotImplementedError(type(self).__name__)
 
     @property
-    def pieces(self) -> PieceLibrary | None:
-        """The film as a library of pieces; None: it is made of none."""
+    def pieces(self) -> PieceLibrary | CellLibrary | None:
+        """The film as a library of pieces or cells; None: it is made of none."""
         return None
 
     def refuse_trace(self, printed: PanelFilm, stack: Stack, where: str) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
-from mpfcad.film import Imperfection, MadeFilm, PieceLibrary, PrismFilm
+from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PieceLibrary, PrismFilm
 from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
@@ -114,7 +114,7 @@ class PieceGrooves(Kind):
         return self.film.curvature[self.film.chosen]
 
     @property
-    def pieces(self) -> PieceLibrary | None:
+    def pieces(self) -> PieceLibrary | CellLibrary:
         return self.film
 
     @property

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PieceLibrary, PrismFilm
+from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.kind.words import size_words, view_text
 
@@ -26,10 +26,6 @@ class PieceCells(PieceGrooves):
     def shown(self) -> NDArray[np.float64]:
         """The curvature at each place, (n, m) [1/mm]."""
         return self.film.curvature[self.film.chosen][..., 0]
-
-    @property
-    def pieces(self) -> PieceLibrary | None:
-        return None
 
     @property
     def extent(self) -> str:

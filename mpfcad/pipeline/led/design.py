@@ -15,6 +15,7 @@ from mpfcad.job import build_job
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.led.bound import least_contrast
 from mpfcad.pipeline.led.film import (
     CROSSED,
     FILM,
@@ -23,8 +24,9 @@ from mpfcad.pipeline.led.film import (
     shown_films,
     write_films,
 )
-from mpfcad.pipeline.led.search import LedSearch, Tried
+from mpfcad.pipeline.led.search import LedSearch
 from mpfcad.pipeline.led.tolerance import find_tolerances
+from mpfcad.pipeline.led.tried import Tried
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
@@ -106,6 +108,7 @@ def run_led_design(
             "series_per_mm": best.map.coefficient.tolist(),
             "films": [_describe_film(film) for film in films],
             "tried": [_describe_tried(one) for one in search.tried],
+            "model_least": _describe_least(design, search),
             "effort": effort,
             "found": describe_cell(found, run.seed),
             "bears": bears,
@@ -188,6 +191,16 @@ def _describe_film(film: PieceLibrary) -> dict[str, Any]:
         "fill_min": float(fill.min()),
         "fill_mean": float(fill.mean()),
         "fill_max": float(fill.max()),
+    }
+
+
+def _describe_least(design: LedDesign, search: LedSearch) -> dict[str, Any]:
+    """Return the best that the linear model has within the limits, from the best map's trace."""
+    least = least_contrast(design.constraint, search.best, search.response)
+    return {
+        "lamp_mura_contrast": least.contrast,
+        "series_per_mm": least.coefficient.tolist(),
+        "response_mm": search.response.tolist(),
     }
 
 

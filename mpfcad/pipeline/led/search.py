@@ -2,7 +2,8 @@
 
 A film's harmonic answers to that of the luminance over it nearly alone. Uniform films come first;
 then each harmonic of C moves by -L_ij/r_ij, r the response of ln L to C [mm], which is taken from
-the prior below and, once a harmonic has moved, from what it did.
+the prior below and, once a harmonic has moved, from what it did. Where the limits of C forbid that
+move, the best map within them by the same linear model is next (`bound`).
 """
 
 from collections.abc import Callable
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult
+from mpfcad.pipeline.led.bound import least_contrast
+from mpfcad.pipeline.led.tried import Tried, cosines
 
 #: Response of ln L to C [mm] of one film; of two at C = 74 /mm, and over which C it doubles [1/mm].
 ONE, TWO, AT, DOUBLES = -0.0028, -0.018, 74.0, 10.0
@@ -23,32 +26,22 @@ _LEAST, _MOST = 0.4, 3.0
 _TELLS = 0.3
 
 
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """A map that was traced.
+@dataclass(eq=False)
+class LedSearch:
+    """Tries maps by a trace from files.
 
     Attributes
     ----------
-    map
-        its series
-    found
-        the luminance over the cell
-    harmonic
-        (h+1, h+1) float64, amplitudes of the luminance's cosines over the mean
+    tried
+        the maps in their order
+    response
+        (h+1, h+1) float64 [mm], of ln L to C by harmonic, as the last move told it
     """
-
-    map: CurvatureSeries
-    found: CellResult
-    harmonic: NDArray[np.float64]
-
-
-@dataclass(eq=False)
-class LedSearch:
-    """Tries maps by a trace from files; `tried` holds them in their order."""
 
     design: LedDesign
     trace: Callable[[CurvatureSeries], CellResult]
     tried: list[Tried] = field(default_factory=list)
+    response: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def best(self) -> Tried:
@@ -63,13 +56,13 @@ class LedSearch:
             coefficient[0, 0] = curvature
             self._try(coefficient)
         last = self.best
-        response = self._prior(last.map.coefficient[0, 0])
+        response = self.response = self._prior(last.map.coefficient[0, 0])
         for _ in range(self.design.search.iterations):
             if self.best.found.contrast.value <= self.design.goal.contrast_target:
                 break
             step = -last.harmonic / response
             step[0, 0] = 0.0
-            new = self._try(self._held(last.map.coefficient + step))
+            new = self._try(self._next(last, step))
             moved = new.map.coefficient - last.map.coefficient
             told = np.abs(moved) > _TELLS
             prior = self._prior(new.map.coefficient[0, 0])[told]
@@ -82,6 +75,14 @@ class LedSearch:
         size = self.design.constraint.harmonics + 1
         two = TWO * 2 ** ((curvature - AT) / DOUBLES)
         return np.full((size, size), ONE if self.design.films == 1 else two)
+
+    def _next(self, last: Tried, step: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the corrected series; where C would pass its limits, the model's best within."""
+        wanted = last.map.coefficient + step
+        held = self._held(wanted)
+        if np.array_equal(held, wanted):
+            return held
+        return self._held(least_contrast(self.design.constraint, last, self.response).coefficient)
 
     def _held(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a series whose pattern is made smaller until C is within its limits."""
@@ -104,16 +105,3 @@ class LedSearch:
         tried = Tried(chosen, found, cosines(found, len(coefficient)))
         self.tried.append(tried)
         return tried
-
-
-def cosines(found: CellResult, size: int) -> NDArray[np.float64]:
-    """Return the amplitudes of the luminance's cosines over the mean, (size, size); 0 beyond."""
-    amplitude = np.zeros((size, size))
-    series = found.series
-    for (i, j), value in zip(series.order, series.coefficient, strict=True):
-        even = (i == 0 or i % 2 == 1) and (j == 0 or j % 2 == 1)
-        a, b = (int(i) + 1) // 2, (int(j) + 1) // 2
-        if even and a < size and b < size:
-            amplitude[a, b] = value / series.coefficient[0]
-    amplitude[0, 0] = 0.0
-    return amplitude

@@ -154,8 +154,16 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
         )
     if stack.needs_prism:
         raise InputError(f"{where}: resin: expected one as the prisms, clear, under LEDs")
+    _refuse_confidence(job, where)
+
+
+def _refuse_confidence(job: Job, where: str) -> None:
     if job.wants_confidence:
-        raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
+        raise InputError(
+            f"{where}: confidence: is for tubes so far: expected to be left out: under LEDs a run "
+            "itself states the contrast as printed, and `mpfcad sweep` what shift_x_mm, "
+            "resin_percent, stack.override.led_flux_spread and others do"
+        )
 
 
 def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArray[np.float64]:
@@ -171,8 +179,7 @@ def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArra
         raise InputError(f"{where}: map: film.cell {cell}: expected one curvature_per_mm")
     if job.crossed is not None:
         raise InputError(f"{where}: crossed: film.cell {cell}: expected to be left out")
-    if job.wants_confidence:
-        raise InputError(f"{where}: confidence: is for tubes so far: expected to be left out")
+    _refuse_confidence(job, where)
     if any(film != PrintError() for film in departure.films):
         raise InputError(
             f"{where}: film.cell {cell}: is not printed: expected no axis of registration or print"

@@ -253,8 +253,8 @@ def refuse_unprintable(job: Job, where: str) -> None:
     """
     if job.film.cell != "groove" and not job.is_printed:
         raise InputError(
-            f"{where}: film.cell: {job.film.cell}: no print makes it, so there is no mask: "
-            "expected 'groove', or 'pyramid' with profile 'filled' and a map over a cell of LEDs"
+            f"{where}: film.cell: {job.film.cell}: the process is calibrated for grooves, so there "
+            "is no mask: expected 'groove', or filled pyramids with a map over a cell of LEDs"
         )
     if job.film.profile != "filled":
         raise InputError(

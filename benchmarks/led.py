@@ -1,0 +1,87 @@
+"""One LED scene in Mitsuba: the crossed printed films of a job, luminance at several places.
+
+    python benchmarks/led.py [--paths N] [--million N]
+
+Mitsuba and numpy have to be installed beside mpfcad. The films are those of masks/mini-led-4mm.toml
+at 2° a facet: ours are traced from their 3MF files, Mitsuba's are the windows of the same libraries
+as closed meshes. One LED stands between mirrors half a pitch beside it, which is a lattice without
+end. The LED is flat and Lambertian, the reflector mirrors part of the light, the plate is clear.
+"""
+
+import argparse
+import dataclasses
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from tracer.led_scene import PLACES, SPOT, mitsuba_led
+from tracer.race import spent
+
+from mpfcad.backlight import read_stack
+from mpfcad.cad.file.library_window import check_window, write_window
+from mpfcad.job import read_job
+from mpfcad.measure import TraceRun, light_film, luminance_over_cell
+from mpfcad.pipeline.effort import NO_GOAL
+from mpfcad.pipeline.plan.plan import read_plan
+from mpfcad.pipeline.progress import SILENT
+from mpfcad.pipeline.run.make import write_cad
+
+JOB = Path(__file__).parent.parent / "masks" / "mini-led-4mm.toml"
+
+
+def films(folder: Path):
+    """Write both films of the job and return the plan and a window of 2 × 2 cells of each."""
+    job = read_job(JOB)
+    job = job.model_copy(update={"cad": job.cad.model_copy(update={"angle_tolerance_deg": 2.0})})
+    plan = read_plan(job, JOB)
+    flat = read_stack("mini-led-4mm", overrides={"led_height_mm": 0.0})
+    plan = dataclasses.replace(plan, stack=flat)
+    write_cad(plan, folder, ("3mf",), SILENT)
+    windows = []
+    for film in plan.films:
+        library, path = film.drawn.repeated((2, 2)), folder / f"window{film.suffix}.stl"
+        write_window(library, path, film.job.cad.angle_tolerance, "window")
+        check_window(path, library)
+        windows.append(path)
+    return plan, windows
+
+
+def ours(plan, folder: Path, paths: int):
+    """Return (value, standard error) at each place, of the mean over a spot, and the elements."""
+    lit = light_film(plan.lit_stack(folder), folder / "film.3mf")
+    found = luminance_over_cell(lit, TraceRun(1, 1, paths), half_width_goal=NO_GOAL)
+    size, bins = found.size[0], len(found.luminance)
+    middle = (np.arange(bins) + 0.5) / bins * size - size / 2
+    rows = []
+    for place in PLACES:
+        near = [np.abs(middle - at * size) < SPOT / 2 for at in place]
+        part = np.ix_(*near)
+        value, error = found.luminance[part], found.standard_error[part]
+        rows.append((value.mean(), np.sqrt((error**2).sum()) / value.size))
+    return rows, lit.elements
+
+
+def main() -> None:
+    """Print the table."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--million", type=float, default=8.0, help="our paths")
+    options.add_argument("--paths", type=int, default=1_000_000, help="Mitsuba's at each place")
+    chosen = options.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        plan, windows = films(folder)
+        (rows, elements), cpu = spent(ours, plan, folder, round(chosen.million * 1e6))
+        print(f"ours: {cpu:.0f} CPU s")
+        tracers, total, squares = mitsuba_led(elements, windows), 0.0, 0.0
+        print("place/P  ours [cd/m2]  ±  Mitsuba  ±  σ apart")
+        for place, (value, error), trace in zip(PLACES, rows, tracers, strict=True):
+            (other, noise), cpu = spent(trace, chosen.paths, 1)
+            total += cpu
+            away = (other - value) / np.hypot(error, noise)
+            squares += away**2
+            print(f"{place}  {value:.0f}  {error:.0f}  {other:.0f}  {noise:.0f}  {away:+.2f}")
+        print(f"chi2 {squares:.1f} of {len(PLACES)}; Mitsuba: {total:.0f} CPU s")
+
+
+if __name__ == "__main__":
+    main()
