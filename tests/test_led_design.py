@@ -11,8 +11,8 @@ from mpfcad.errors import InputError
 from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import is_led_design, read_led_design
 from mpfcad.optics.library.file import read_library
-from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, write_films
 from mpfcad.pipeline.led.bound import least_contrast
+from mpfcad.pipeline.led.film import CROSSED, FILM, STACK, write_films
 from mpfcad.pipeline.led.search import TWO, LedSearch
 from mpfcad.pipeline.led.tolerance import departures
 from mpfcad.pipeline.led.tried import Tried
