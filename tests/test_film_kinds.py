@@ -145,12 +145,19 @@ def test_pieces_of_another_curvature_are_refused(pieces, tmp_path):
         kind.check(tmp_path / "film.3mf")
 
 
-def test_a_library_is_no_single_body(pieces, tmp_path):
+def test_a_window_of_a_library_is_written_whole_and_piece_by_piece(pieces, tmp_path):
     _, kind = pieces
-    path = tmp_path / "film.step"
-    for call in (kind.check, kind.check_step, kind.check_mesh, lambda to: kind.write(to, "film")):
-        with pytest.raises(InputError, match="expected 3mf"):
-            call(path)
+    for name in ("step", "stl", "csv"):
+        path = tmp_path / f"film.{name}"
+        kind.write(path, "film")
+        check = kind.check(path)
+        assert check is None or {gate.outcome for gate in check.gates} <= {"PASS"}
+    check = kind.check_step(tmp_path / "film.step")
+    # Each piece once more, beside the window.
+    count = kind.window.chosen.size + len(np.unique(kind.window.chosen))
+    assert sum(check.solid_count.values()) == count
+    with pytest.raises(InputError, match="piece by piece"):
+        kind.check_mesh(tmp_path / "film.stl")
 
 
 def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path):
@@ -177,6 +184,7 @@ def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path)
             "paths": 5_000_000,
         },
         "design": {"goal": {"contrast_target": 0.074}},
+        "model_least": {"lamp_mura_contrast": 0.0123},
         "bears": [
             {
                 "departure": {"crossed_shift_x_mm": 0.16},
@@ -197,7 +205,16 @@ def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path)
     write_led_page(tmp_path / "two.html", record, films)
     page = (tmp_path / "one.html").read_text("utf-8")
     assert (tmp_path / "two.html").read_text("utf-8") == page
-    words = ("two &lt;films&gt;", "0.0560 [0.0448, 0.0672]", "1.736", "0.434", "68", "2.5", "0.30")
+    words = (
+        "two &lt;films&gt;",
+        "0.0560 [0.0448, 0.0672]",
+        "1.736",
+        "0.434",
+        "68",
+        "2.5",
+        "0.30",
+        "0.0123",
+    )
     assert all(word in page for word in (*words, *names, kind.extent))
     borne = ("film across: shift x 0.16 mm", "0.0600 [0.0480, 0.0720]", "target 0.074", "PASS")
     assert all(word in page for word in borne)

@@ -43,7 +43,7 @@ def test_resin_between_pyramids_is_their_volume(curvature):
     assert float(groove.curvature_of_fill(fill)) == pytest.approx(curvature, abs=1e-9)
     place = (np.arange(400) + 0.5) / 400 * 0.05
     mean = film.height(*np.meshgrid(place, place)).mean()
-    assert film.mean_height == pytest.approx(mean, abs=2e-8)
+    assert film.mean_height == pytest.approx(mean, abs=3e-7)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_the_mean_height_of_two_curvatures(profile, along):
     film = CellFilm(Groove(0.05, 0.025), 0.2, "pyramid", profile, 70.0, (1, 1), along)
     place = (np.arange(600) + 0.5) / 600 * 0.05
     mean = film.height(*np.meshgrid(place, place)).mean()
-    assert film.mean_height == pytest.approx(mean, abs=2e-8)
+    assert film.mean_height == pytest.approx(mean, abs=3e-7)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_another_cell_is_found_in_every_file(tmp_path):
 
 
 def test_the_mask_prints_the_volume_that_the_file_holds(tmp_path):
-    more = '[process]\nsolids_fraction = 0.2\n[mask]\nmesh = "120-40"\nperiod_um = 320.0\n'
+    more = '[process]\nsolids_fraction = 0.3\n[mask]\nmesh = "120-40"\nperiod_um = 320.0\n'
     plan = plan_of(write(tmp_path, more=more + 'formats = ["oas"]\n'))
     groove = plan.process.groove
     assert isinstance(groove, PyramidGroove) and groove.room == pytest.approx(0.05 / 3)

@@ -50,9 +50,14 @@ def write_window(
         # As STL holds them, so that neighbours touch exactly.
         moved = (vertices + np.array([i * pitch, k * length, 0.0])).astype(np.float32)
         placed.append(Manifold(Mesh64(moved.astype(float), triangles)))
-    united = Manifold.batch_boolean(placed, OpType.Add).simplify(_SIDE).to_mesh64()
+    near = max(_SIDE, 4 * float(np.spacing(np.float32(max(library.size)))))
+    united = Manifold.batch_boolean(placed, OpType.Add).simplify(near).to_mesh64()
+    # Corners that float32 makes one take their facets of no width with them.
     point = np.asarray(united.vert_properties)[:, :3].astype(np.float32)
-    write_mesh(Mesh(point, np.asarray(united.tri_verts, np.int64)), path, name)
+    point, number = np.unique(point, axis=0, return_inverse=True)
+    facet = number.reshape(-1)[np.asarray(united.tri_verts, np.int64)]
+    whole = (facet != np.roll(facet, 1, axis=1)).all(axis=1)
+    write_mesh(Mesh(point, facet[whole]), path, name)
 
 
 def check_window(path: Path, library: PieceLibrary | CellLibrary) -> BodyCheck:
@@ -66,8 +71,16 @@ def check_window(path: Path, library: PieceLibrary | CellLibrary) -> BodyCheck:
     import trimesh
 
     path = Path(path)
-    mesh = trimesh.load(path, file_type="stl")
-    if not mesh.is_watertight or not mesh.is_winding_consistent:
+    # As it is written: trimesh would join corners that lie near each other.
+    mesh = trimesh.load(path, file_type="stl", process=False)
+    corner = np.asarray(mesh.triangles, float).reshape(-1, 3)
+    point, number = np.unique(corner, axis=0, return_inverse=True)
+    facet = number.reshape(-1, 3)
+    ahead = np.roll(facet, -1, axis=1)
+    edge, back = (
+        np.sort((a * len(point) + b).ravel()) for a, b in ((facet, ahead), (ahead, facet))
+    )
+    if not np.array_equal(edge, back) or (np.diff(edge) == 0).any():
         raise ExportError(f"{path.name}: not closed and oriented")
     volumes = np.array([library.piece(n).volume for n in range(len(library.curvature))])
     wanted = float(volumes[library.chosen].sum())
