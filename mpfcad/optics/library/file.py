@@ -23,9 +23,13 @@ def is_library_file(path: Path) -> bool:
     """Return whether a file is a 3MF with more than one item to build: what is read here."""
     if Path(path).suffix.lower() != ".3mf" or not Path(path).is_file():
         return False
+    import lib3mf
+
+    model = lib3mf.Wrapper().CreateModel()
     try:
-        return len(_items(path)[1]) > 1
-    except InputError:
+        model.QueryReader("3mf").ReadFromFile(str(path))
+        return int(model.GetBuildItems().Count()) > 1
+    except lib3mf.ELib3MFException:
         return False
 
 
@@ -92,11 +96,12 @@ def _items(path: Path) -> tuple[dict[int, tuple[NDArray, NDArray]], list[tuple[i
         items = model.GetBuildItems()
         while items.MoveNext():
             item = items.GetCurrent()
-            thing = item.GetObjectResource()
-            identity = int(thing.GetUniqueResourceID())
-            if not thing.IsMeshObject():
-                raise InputError(f"{path}: 3MF: an assembly: expected pieces as meshes")
+            # Of each instance only its number: a mesh is looked up once.
+            identity = int(item.GetObjectResourceID())
             if identity not in meshes:
+                thing = item.GetObjectResource()
+                if not thing.IsMeshObject():
+                    raise InputError(f"{path}: 3MF: an assembly: expected pieces as meshes")
                 meshes[identity] = _mesh(thing)
             placed.append((identity, _shift(path, item)))
     except lib3mf.ELib3MFException as error:
