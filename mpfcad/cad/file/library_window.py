@@ -54,8 +54,8 @@ def write_window(
     united = Manifold.batch_boolean(placed, OpType.Add).simplify(near).to_mesh64()
     # Corners that float32 makes one take their facets of no width with them.
     point = np.asarray(united.vert_properties)[:, :3].astype(np.float32)
-    point, number = np.unique(point, axis=0, return_inverse=True)
-    facet = number.reshape(-1)[np.asarray(united.tri_verts, np.int64)]
+    point, index = np.unique(point, axis=0, return_inverse=True)
+    facet = index.reshape(-1)[np.asarray(united.tri_verts, np.int64)]
     whole = (facet != np.roll(facet, 1, axis=1)).all(axis=1)
     write_mesh(Mesh(point, facet[whole]), path, name)
 
