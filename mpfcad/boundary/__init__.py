@@ -8,6 +8,16 @@ from mpfcad.boundary.file import (
     named_file,
     read_toml,
     reads,
+    reason_of,
 )
 
-__all__ = ["FILE_LIMIT", "TEXT_LIMIT", "check_file", "guarded", "named_file", "read_toml", "reads"]
+__all__ = [
+    "FILE_LIMIT",
+    "TEXT_LIMIT",
+    "check_file",
+    "guarded",
+    "named_file",
+    "read_toml",
+    "reads",
+    "reason_of",
+]

@@ -73,6 +73,17 @@ def guarded(where: object, expected: str, kind: type[MpfcadError] = InputError) 
         raise kind(f"{where}: not readable ({reason}): expected {expected}") from error
 
 
+def reason_of(error: Exception) -> str:
+    """Return in one line what went wrong, without the path, which stands before it anyway."""
+    if isinstance(error, OSError):
+        return error.strerror or type(error).__name__
+    if isinstance(error, UnicodeDecodeError):
+        return f"no text in {error.encoding}"
+    if isinstance(error, KeyError) and error.args:
+        return f"no {error.args[0]} in it"
+    return " ".join(str(error).split())[:120] or type(error).__name__
+
+
 def named_file(where: str, folder: Path, name: str, expected: str) -> Path:
     """Return the path of a file that a field names, beside the file that names it.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary import reason_of
 from mpfcad.errors import InputError
 
 
@@ -70,7 +71,9 @@ def read_covariance(path: Path) -> tuple[list[str], NDArray[np.float64]]:
     try:
         rows = [line.split(",") for line in path.read_text("utf-8-sig").split("\n") if line.strip()]
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {error}") from error
+        raise InputError(
+            f"{path}: {reason_of(error)}: expected names in row 1, and a matrix"
+        ) from error
     names = [name.strip() for name in rows[0]] if rows else []
     try:
         matrix = np.array([[float(cell) for cell in row] for row in rows[1:]])

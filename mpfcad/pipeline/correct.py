@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.backlight.written import stack_tables
+from mpfcad.boundary import reason_of
 from mpfcad.confidence import read_covariance
 from mpfcad.design import Constraint, Grid, Response
 from mpfcad.design.reprint import Reprint, Seen, find_reprint
@@ -23,6 +24,7 @@ from mpfcad.job.reader import validate
 from mpfcad.measure.observed import (
     ObservedPitch,
     askew_words,
+    check_pitch,
     curve_of_image,
     observe_pitch,
     read_curve,
@@ -41,6 +43,8 @@ CORRECT_SCHEMA = 1
 _NODE_STEP, _HARMONICS = 6.0, 4
 #: C [1/mm] this near to a limit is at it.
 _NEAR = 0.5
+#: A stated lamp pitch may be off the backlight's by so much: the scale of a file.
+_SAME_PITCH = 0.05
 
 
 def correct_print(
@@ -77,7 +81,7 @@ def correct_print(
     process = _process(plan, process_file)
     place, printed = _printed(plan, process)
     pitch = plan.stack.period.across
-    found = _observe(measured, judging, pitch)
+    found = observe_print(measured, judging, pitch, progress)
     progress.stage("estimating the model of the backlight")
     design = _design(plan)
     constraint = design_constraint(design, plan.job, process, export)
@@ -103,7 +107,9 @@ def _plan(export: Path) -> Plan:
         document = json.loads((export / "verification.json").read_text("utf-8"))
         plan = restore_plan(export, document["job"])
     except (OSError, ValueError, KeyError, TypeError, ExportError) as error:
-        raise InputError(f"{export}: {error}: expected an export of mpfcad run") from None
+        raise InputError(
+            f"{export}: {reason_of(error)}: expected an export of mpfcad run"
+        ) from None
     job = plan.job
     wrong = (
         "film.profile: no print makes it" if plan.process is None
@@ -159,7 +165,16 @@ def _printed(plan: Plan, process: Process) -> tuple[NDArray[np.float64], NDArray
     return place[inside], np.asarray(process.curvature(ratio), np.float64)
 
 
-def _observe(measured: Path, judging: Judging, pitch: float) -> ObservedPitch:
+def observe_print(
+    measured: Path, judging: Judging, pitch: float, progress: Progress = SILENT
+) -> ObservedPitch:
+    """Return what was measured of a print over the lamp pitch [mm] of its backlight.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read, or bears another period.
+    """
     if not measured.is_file():
         raise InputError(f"{measured}: no such file: expected a luminance curve or image")
     if is_image(measured):
@@ -167,10 +182,24 @@ def _observe(measured: Path, judging: Judging, pitch: float) -> ObservedPitch:
             raise InputError(f"{measured}: an image: expected --pixel-mm, the side of a pixel")
         image = read_image(measured, judging.photo)
         curve = curve_of_image(image)
-        askew_words(measured, image, curve)
+        words = askew_words(measured, image, curve)
+        if words:
+            progress.note(f"{measured}: {words}")
     else:
         curve = read_curve(measured, judging.unit)
-    return observe_pitch(curve, judging.pitch or pitch, judging.lamp, judging.seed)
+    own = judging.pitch or pitch
+    if abs(own / pitch - 1) > _SAME_PITCH:
+        raise InputError(
+            f"--pitch-mm: {own:g}: expected the lamp pitch of the print's backlight, {pitch:g} mm, "
+            f"within {_SAME_PITCH:.0%}"
+        )
+    whose = "--pitch-mm" if judging.pitch else "the lamp pitch in mm of the print's backlight,"
+    words = check_pitch(
+        str(measured), curve.position, curve.luminance, own, whose, "a curve of that backlight"
+    )
+    if words:
+        progress.note(f"{measured}: {words}")
+    return observe_pitch(curve, own, judging.lamp, judging.seed)
 
 
 def _seen(found: ObservedPitch) -> Seen:

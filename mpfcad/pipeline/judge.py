@@ -7,6 +7,7 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.gate import Gate
+from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.observed import (
     LuminanceImage,
     Photo,
@@ -14,6 +15,7 @@ from mpfcad.measure.observed import (
     check_pitch,
     curve_of_image,
     find_pitch,
+    lattice_words,
     observe_cell,
     observe_pitch,
     read_curve,
@@ -33,6 +35,8 @@ from mpfcad.record.judgement import (
 JUDGEMENT_SCHEMA = 1
 #: Cells whose sides differ by more than this share are not the same.
 _SAME_SIZE = 0.02
+#: A lamp pitch this much off that of a prediction is named, and one of other lamps.
+_NAMED_PITCH, _SAME_PITCH = 0.015, 0.05
 
 
 @dataclass(frozen=True)
@@ -89,41 +93,80 @@ def judge_luminance(path: Path, judging: Judging) -> dict[str, Any]:
         if judging.photo is None:
             raise InputError(f"{path}: an image: expected --pixel-mm, the side of a pixel")
         image = read_image(path, judging.photo)
-    record: dict[str, Any] = {"schema": JUDGEMENT_SCHEMA, "file": path.name}
     if of_spots and image is None:
         raise InputError(f"{path}: a curve: expected an image with --spots or --cell-mm")
     if image is not None and of_spots:
-        words = spots_askew_words(path, image)
-        record |= {"notes": [words]} if words else {}
-        size = _cell_size(path, image, judging.cell)
-        found = observe_cell(image, size, judging.seed)
-        record |= {"reading": image.reading, **describe_observed_cell(found)}
-        if predicted is not None:
-            _check_size(judging, found.size, predicted)
-            record["against"] = {
-                "name": predicted["name"], **describe_cell_difference(found, predicted["cell"]),
-                "lamp_mura_contrast": predicted["lamp_mura_contrast"],
-            }  # fmt: skip
-        contrast = found.contrast
+        found, contrast = _judge_spots(path, image, judging, predicted)
     else:
-        curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
-        words = "" if image is None else askew_words(path, image, curve)
-        record |= {"notes": [words]} if words else {}
-        pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
-        if judging.pitch is not None:
-            check_pitch(str(path), curve.position, curve.luminance, pitch)
-        seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
-        record |= {"reading": curve.reading, **describe_pitch(seen)}
-        record["pitch_found"] = judging.pitch is None
-        contrast = seen.contrast
-        if predicted is not None:
-            record["against"] = {
-                "name": predicted["name"], **describe_difference(seen, predicted["luminance"]),
-                "lamp_mura_contrast": predicted["lamp_mura_contrast"],
-            }  # fmt: skip
+        found, contrast = _judge_stripes(path, image, judging, predicted)
     gate = judgement_gate(contrast, limit, marginal)
-    record |= {"gates": [gate.document()], "verdict": gate.outcome}
-    return record
+    return {
+        "schema": JUDGEMENT_SCHEMA, "file": path.name, **found,
+        "gates": [gate.document()], "verdict": gate.outcome,
+    }  # fmt: skip
+
+
+def _judge_spots(
+    path: Path, image: LuminanceImage, judging: Judging, predicted: dict[str, Any] | None
+) -> tuple[dict[str, Any], Estimate]:
+    """Return the record of an image of spots, and its contrast."""
+    notes = [spots_askew_words(path, image)]
+    try:
+        size = _cell_size(path, image, judging.cell, notes)
+        found = observe_cell(image, size, judging.seed)
+    except InputError as error:
+        raise InputError(lattice_words(path, image) or str(error)) from None
+    record = {**_said(notes), "reading": image.reading, **describe_observed_cell(found)}
+    if predicted is not None:
+        _check_size(judging, found.size, predicted)
+        record["against"] = {
+            "name": predicted["name"], **describe_cell_difference(found, predicted["cell"]),
+            "lamp_mura_contrast": predicted["lamp_mura_contrast"],
+        }  # fmt: skip
+    return record, found.contrast
+
+
+def _judge_stripes(
+    path: Path, image: LuminanceImage | None, judging: Judging, predicted: dict[str, Any] | None
+) -> tuple[dict[str, Any], Estimate]:
+    """Return the record of a curve, or of an image of stripes, and its contrast."""
+    curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
+    notes = ["" if image is None else askew_words(path, image, curve)]
+    pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
+    if judging.pitch is not None:
+        notes.append(check_pitch(str(path), curve.position, curve.luminance, pitch))
+    seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
+    if predicted is not None:
+        notes.append(_check_lamps(path, judging, seen.pitch, predicted))
+    record = {**_said(notes), "reading": curve.reading, **describe_pitch(seen)}
+    record["pitch_found"] = judging.pitch is None
+    if predicted is not None:
+        record["against"] = {
+            "name": predicted["name"], **describe_difference(seen, predicted["luminance"]),
+            "lamp_mura_contrast": predicted["lamp_mura_contrast"],
+        }  # fmt: skip
+    return record, seen.contrast
+
+
+def _said(notes: list[str]) -> dict[str, Any]:
+    """Return what is to be said, as an entry of a record, if there is anything."""
+    said = [words for words in notes if words]
+    return {"notes": said} if said else {}
+
+
+def _check_lamps(path: Path, judging: Judging, pitch: float, predicted: dict[str, Any]) -> str:
+    """Refuse a prediction for lamps of another pitch [mm], and say where they differ a little."""
+    quantity = predicted.get("job", {}).get("stack", {}).get("quantity", {})
+    given = quantity.get("lamp_pitch_mm", {}).get("value")
+    if given is None or abs(pitch / given - 1) <= _NAMED_PITCH:
+        return ""
+    words = f"the file's lamp pitch, {pitch:.5g} mm, is {pitch / given - 1:+.1%} off {given:.5g} mm"
+    if abs(pitch / given - 1) <= _SAME_PITCH:
+        return f"{words} of {predicted['name']}"
+    raise InputError(
+        f"{path}: {words} of --against {judging.against}: expected lamps of one pitch "
+        "(--pitch-mm, --pixel-mm)"
+    )
 
 
 def _prediction(folder: Path, *, spots: bool) -> dict[str, Any]:
@@ -170,16 +213,19 @@ def _limits(judging: Judging, predicted: dict[str, Any] | None) -> tuple[float, 
 
 
 def _cell_size(
-    path: Path, image: LuminanceImage, stated: tuple[float, float] | None
+    path: Path, image: LuminanceImage, stated: tuple[float, float] | None, notes: list[str]
 ) -> tuple[float, float]:
-    """Return the pitches across and along: those stated, if the image bears them out, or found."""
+    """Return the pitches across and along: those stated, if the image bears them out, or found.
+
+    What is to be said of them is added to `notes`.
+    """
     found = []
     for axis, curve in enumerate(means_of_sides(image)):
         name = f"{path}: {('across', 'along')[axis]}"
         if stated is None:
             found.append(find_pitch(name, *curve, "--cell-mm"))
         else:
-            check_pitch(name, *curve, stated[axis], "--cell-mm")
+            notes.append(check_pitch(name, *curve, stated[axis], "--cell-mm"))
             found.append(stated[axis])
     return found[0], found[1]
 

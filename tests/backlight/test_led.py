@@ -141,7 +141,11 @@ def test_bad_emission_files(tmp_path):
     refused(write(tmp_path, 'emission = "down.csv"'), "below the board")
     (tmp_path / "head.csv").write_text("a,b\n0,1\n90,1\n")
     refused(write(tmp_path, 'emission = "head.csv"'), "row 1", "angle_deg,intensity")
-    refused(write(tmp_path, 'emission = "none.ies"'), "none.ies")
+    for name in ("none.ies", "none.ldt"):
+        refused(write(tmp_path, f'emission = "{name}"'), f"{name}: no such file: expected")
+    refused(
+        write(tmp_path, 'emission = "none.csv"'), "none.csv: No such file or directory: expected"
+    )
     refused(write(tmp_path, 'emission = "square"'), "square")
 
 
@@ -156,7 +160,7 @@ def test_bad_emission_files(tmp_path):
         ("dead = [2]", "", ["source.dead", "LED 2"]),
         ("dead = [1]", "", ["source.dead", "all LEDs"]),
         ("seed = -1", "", ["source.seed"]),
-        ("", "led_width_mm = 12.5", ["LEDs 1 and 1 overlap"]),
+        ("", "led_width_mm = 12.5", ["overlap their own repetition in a cell of 12 ×"]),
         ("", "led_height_mm = 7", ["thickness_mm"]),
     ],
 )
@@ -166,7 +170,10 @@ def test_boards_that_cannot_be(tmp_path, source, values, words):
 
 def test_overlapping_leds_of_a_list_are_named(tmp_path):
     (tmp_path / "leds.csv").write_text("x_mm,y_mm\n1,1\n6,6\n7,8\n")
-    refused(write(tmp_path, 'lattice = "list"\npositions = "leds.csv"'), "LEDs 2 and 3 overlap")
+    refused(
+        write(tmp_path, 'lattice = "list"\npositions = "leds.csv"'),
+        "LEDs 2 and 3 overlap, 1 mm apart across and 2 mm along: expected",
+    )
     for text, word in (("x,y\n1,1\n", "row 1"), ("x_mm,y_mm\n1,a\n", "row 2: y_mm: a")):
         (tmp_path / "leds.csv").write_text(text)
         refused(write(tmp_path, 'lattice = "list"\npositions = "leds.csv"'), word)

@@ -1,11 +1,16 @@
 """`mpfcad correct` from outside: what it refuses before any work."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 from mpfcad.cli import run_app
+from mpfcad.errors import InputError
+from mpfcad.pipeline.correct import observe_print
+from mpfcad.pipeline.judge import Judging
+from mpfcad.pipeline.progress import Silent
 
 
 @pytest.fixture
@@ -39,3 +44,35 @@ def test_bad_input_is_one_line(files, capsys, arguments, words):
     assert len(error.splitlines()) == 1
     assert words in error
     assert (files / "full/note.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("own", [None, 20.0])
+def test_a_curve_of_another_backlight_is_refused(files, own):
+    """A period of 16 mm, folded over 20 mm, would be a plausible curve of hardly any contrast."""
+    with pytest.raises(InputError) as error:
+        observe_print(files / "m.csv", Judging(pitch=own, lamp=0.0), 20.0)
+    seen = re.search(r"variation, ([\d.]+) mm explains 100%: expected a curve of that backlight",
+                     str(error.value))  # fmt: skip
+    assert seen and float(seen[1]) == pytest.approx(16.0, rel=0.01)
+    assert ("--pitch-mm" if own else "the lamp pitch in mm") in str(error.value)
+
+
+def test_a_stated_pitch_of_another_backlight_is_refused(files):
+    with pytest.raises(InputError, match=r"--pitch-mm: 16: expected the lamp pitch of .* 20 mm"):
+        observe_print(files / "m.csv", Judging(pitch=16.0, lamp=0.0), 20.0)
+
+
+def test_a_scale_a_little_off_is_said(files):
+    class Notes(Silent):
+        def __init__(self):
+            self.said = []
+
+        def note(self, text):
+            self.said.append(text)
+
+    notes = Notes()
+    found = observe_print(files / "m.csv", Judging(lamp=0.0), 16.4, notes)
+    assert found.pitch == 16.4
+    assert "is -2.4% off the lamp pitch in mm" in notes.said[0]
+    observe_print(files / "m.csv", Judging(lamp=0.0), 16.0, notes)
+    assert len(notes.said) == 1

@@ -160,3 +160,44 @@ def test_lost_rows_are_counted_and_sparse_ones_refused(capsys):
     assert "expected 12 or more" in refused(capsys, [*curve(step=3.0), "--pitch-mm", "32.69"])
     few = [*curve(lost=range(120, 160)), "--pitch-mm", "32.69"]
     assert "no point over 20.5 mm" in refused(capsys, few)
+
+
+@pytest.mark.parametrize("turn", [20.0, -31.0, 40.0])
+@pytest.mark.parametrize("cell", [["--cell-mm", "16,14"], []])
+def test_spots_far_askew_are_refused_with_their_angle(capsys, turn, cell):
+    words = refused(capsys, [*lattice(turn), *cell])
+    assert "the rows of spots run" in words
+    told = float(words.split("--rotation-deg ")[1])
+    assert told == pytest.approx(turn, abs=1.0)
+
+
+def bands(stripe, band):
+    """Write stripes of lamps along y, and bands of a camera along x, of these contrasts."""
+    rng = np.random.default_rng(7)
+    x, y = np.meshgrid(np.arange(SIDE) + 0.5, np.arange(SIDE) + 0.5)
+    light = (1 + stripe * np.cos(2 * np.pi * x / 16)) * (1 + band * np.cos(2 * np.pi * y / 9.5))
+    tifffile.imwrite("photo.tif", np.round(20000 * light + rng.normal(0, 50, x.shape)).astype("u2"))
+    return ["photo.tif", *IMAGE]
+
+
+def test_bands_along_the_other_axis_are_averaged_over_and_said(capsys):
+    found, out = contrast(capsys, bands(0.01, 0.06))
+    assert found == pytest.approx(0.01, abs=1e-3)
+    assert "bands of 9.4" in out or "bands of 9.5" in out
+    assert "averaged over" in out and "askew" not in out
+    _, quiet = contrast(capsys, bands(0.03, 0.0))
+    assert "bands" not in quiet
+
+
+def test_bands_alone_are_refused_as_what_they_are(capsys):
+    words = refused(capsys, bands(0.0, 0.03))
+    assert "no stripes are seen beside them" in words and "askew" not in words
+    assert abs(float(words.split("--rotation-deg ")[1].split()[0])) == 90.0
+
+
+def test_a_stated_pitch_a_little_off_is_named_and_far_off_refused(capsys):
+    _, out = contrast(capsys, [*curve(), "--pitch-mm", "33.5"])
+    assert "period, 32." in out and "off --pitch-mm 33.5" in out
+    assert "32." in refused(capsys, ["l.csv", "--pitch-mm", "35.5"])
+    _, quiet = contrast(capsys, ["l.csv", "--pitch-mm", "32.69"])
+    assert "off --pitch-mm" not in quiet

@@ -222,6 +222,36 @@ def test_what_a_maker_changed_is_said(export, tmp_path, capsys, change, code, wo
     assert words in capsys.readouterr().out
 
 
+def beyond_the_panel(layout, top):
+    merged(layout, top)
+    layer = layout.find_layer(1, 0)
+    top.shapes(layer).insert(kdb.Box(8_490_000, 0, 8_510_000, 1_000_000))
+
+
+def test_apertures_beyond_the_panel_are_refused_with_their_place(export, tmp_path, capsys):
+    """They lie over no groove, so that no ratio tells them."""
+    file = edited(export, tmp_path, beyond_the_panel)
+    assert run_app(["mask", str(export / "job.toml"), "--compare", file]) == 2
+    error = capsys.readouterr().err
+    assert "returned.gds: apertures reach over x " in error and "8.510000" in error
+    assert "expected them on the panel, 0 … 8.500000" in error and len(error.splitlines()) == 1
+
+
+def one_nanometre(layout, top):
+    merged(layout, top)
+    layer = layout.find_layer(1, 0)
+    shape = next(top.shapes(layer).each())
+    top.shapes(layer).insert(shape.bbox().enlarged(0, 0, 0, 1))
+
+
+def test_a_nanometre_is_seen_in_the_digits(export, tmp_path, capsys):
+    file = edited(export, tmp_path, one_nanometre)
+    assert run_app(["mask", str(export / "job.toml"), "--compare", file]) == 1
+    line = next(line for line in capsys.readouterr().out.splitlines() if "ratio" in line)
+    seen, wanted = line.split("ratio ")[1].split(": expected ")
+    assert seen != wanted
+
+
 def with_job(tmp_path, change):
     (tmp_path / "job.toml").write_text(change(JOB), "utf-8")
     return str(tmp_path / "job.toml")

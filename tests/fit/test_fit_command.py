@@ -167,6 +167,13 @@ sigma = 0.01
     assert mean.covariance[0, 0] ** 0.5 == pytest.approx(140, rel=0.01)
     assert along.value.mean() == pytest.approx(1) and len(along.label) == 7
     assert len(notes) == 1 and "66 points" in notes[0]
+    with pytest.raises(InputError, match=r"measurement 3: seen.csv: .* expected a curve of"):
+        read_data(read_fit(path), path, 21.0)
+    stated = text.replace("lamp_at_mm = 3.0", "lamp_at_mm = 3.0\npitch_mm = 32.69")
+    path.write_text(stated)
+    with pytest.raises(InputError, match=r"measurement 3: pitch_mm 32.69: expected .* 21 mm"):
+        read_data(read_fit(path), path, 21.0)
+    path.write_text(text)
     (tmp_path / "cut.csv").write_text("a,b\n" + "\n".join(f"{a},9" for a in (-1.4, 0, 1.4)))
     with pytest.raises(InputError, match=r"cut.csv: angles within ±1.4: expected degrees"):
         read_data(read_fit(path), path, 32.69)

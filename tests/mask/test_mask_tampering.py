@@ -109,7 +109,7 @@ TAMPER = {
     shorter: r"groove 9 \(counted|\d+ apertures: expected \d+",
     extra: r"groove 31 \(counted from 0\): an aperture is not where, or not as large",
     overlapping: r"groove 3 \(counted|\d+ apertures: expected \d+",
-    outside: "outside the outline",
+    outside: "expected them on the panel",
     slanted: "no rectangle",
     turned: "turned or scaled",
     sheared: "oblique",

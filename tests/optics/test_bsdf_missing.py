@@ -188,6 +188,9 @@ def test_lighttools_files_lie_where_the_mirrored_light_goes(tmp_path):
     assert table.basis.azimuth[peak] == pytest.approx(0)
     assert table.basis.ring[peak] == ring
     assert "Front read as light from above" in table.note
+    write_texts(tmp_path, {"c.bsdf": lighttools().replace("AOI 40\nPOI 0", "AOI 40\nPOI 90")})
+    with pytest.raises(InputError, match=r"POI 90: an anisotropic file: .* expected POI 0"):
+        read_bsdf(tmp_path / "c.bsdf", needed=NONE)
     write_texts(tmp_path, {"b.bsdf": lighttools().replace("DataEnd", "")})
     with pytest.raises(InputError, match="DataEnd: missing"):
         read_bsdf(tmp_path / "b.bsdf", needed=NONE)

@@ -166,10 +166,23 @@ class LedBoard:
             raise InputError(f"{where}: source.dead: all LEDs: expected one that shines")
         both = overlap(self.placed, self.period, self.size)
         if both:
-            raise InputError(
-                f"{where}: LEDs {both[0]} and {both[1]} overlap: expected places more than "
-                f"{self.size[0]:g} × {self.size[1]:g} mm apart"
+            raise InputError(f"{where}: {self._overlap_words(*both)}")
+
+    def _overlap_words(self, first: int, second: int) -> str:
+        """Return which LEDs overlap, by what, and what was expected."""
+        size = f"{self.size[0]:g} × {self.size[1]:g} mm"
+        if first == second:
+            return (
+                f"LEDs of {size} overlap their own repetition in a cell of "
+                f"{self.period.across:g} × {self.period.along:g} mm: expected a larger cell"
             )
+        period = (self.period.across, self.period.along)
+        away = self.placed[second - 1, :2] - self.placed[first - 1, :2]
+        x, y = np.abs(away - np.round(away / period) * period)
+        return (
+            f"LEDs {first} and {second} overlap, {x:.4g} mm apart across and {y:.4g} mm along: "
+            f"expected {size} or more"
+        )
 
     def lower(self, tables: Mapping[str, Any]) -> "Board":
         """Return the board."""

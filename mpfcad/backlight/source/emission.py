@@ -101,6 +101,8 @@ def _read_photometry(where: str, path: Path, suffix: str) -> tuple[NDArray, NDAr
             f"{where}: needs photompy: expected after pip install 'mpfcad[instruments]'"
         ) from None
 
+    if not path.is_file():
+        raise InputError(f"{where}: no such file: expected one of {suffix[1:].upper()} there")
     reader = IESFile if suffix == ".ies" else LDTFile
     try:
         with warnings.catch_warnings():

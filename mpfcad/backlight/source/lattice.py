@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary import reason_of
 from mpfcad.errors import InputError
 
 #: Places of a cell's LEDs in units of the pitches, and the cell's size in them.
@@ -127,4 +128,6 @@ def folder_text(where: str, folder: Path, name: object) -> str:
     try:
         return path.read_bytes().decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{where}: {name}: {error}: expected a text file there") from None
+        raise InputError(
+            f"{where}: {name}: {reason_of(error)}: expected a text file there"
+        ) from None

@@ -84,6 +84,10 @@ def command(
         bool,
         typer.Option("--correct", help="Correct sign and scale of the heights by pitch and depth."),
     ] = False,
+    upright: Annotated[
+        bool,
+        typer.Option("--upright", help="The heights are known to have the tips up: do not ask."),
+    ] = False,
     model: Annotated[
         str,
         typer.Option("--model", help="Kind of calibration: tone (curve with intervals) or table."),
@@ -123,7 +127,7 @@ def command(
     if out is not None and any(ratio is None for _, ratio in rows):
         raise InputError("--out: expected an --aperture for each file")
     groove = Groove(pitch_um * um, depth_um * um)
-    option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct)
+    option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct, upright)
     traces = [read_stylus_trace(path, groove, widths or 2, option) for path, _ in rows]
     fits = [
         fit_stylus_trace(trace, groove, prism_widths=widths, correct=correct) for trace in traces
@@ -158,6 +162,7 @@ def _option(
     tip_radius_um: float | None,
     tip_angle_deg: float | None,
     correct: bool,
+    upright: bool,
 ) -> "ReadingOption":
     """Return what the user states over what the files say."""
     from mpfcad.errors import InputError
@@ -176,7 +181,7 @@ def _option(
         tip = StylusTip(tip_radius_um * um, angle * deg)
     return ReadingOption(
         parse_units(unit) if unit else None, parse_columns(columns) if columns else None,
-        correct, tip,
+        correct, tip, upright,
     )  # fmt: skip
 
 
@@ -208,13 +213,16 @@ def _read_coupons(
 def _read_list(path: Path) -> list[tuple[Path, float | None]]:
     import csv
 
+    from mpfcad.boundary import reason_of
     from mpfcad.errors import InputError
 
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = [row for row in csv.reader(file) if row]
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
+        raise InputError(
+            f"{path}: cannot be read: {reason_of(error)}: expected a table of coupons"
+        ) from None
     if not rows or rows[0] != ["file", "aperture_ratio"]:
         raise InputError(f"{path}: row 1: header: expected 'file,aperture_ratio'")
     found: list[tuple[Path, float | None]] = []

@@ -10,7 +10,7 @@ intervals for partially identified parameters", Econometrica 72, 1845, 2004).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +29,11 @@ from mpfcad.film.stylus.interval import (
     slope_hidden,
 )
 from mpfcad.film.stylus.misfit import check_shape
-from mpfcad.film.stylus.model import PITCH, Fitted, TraceModel, fit_model
+from mpfcad.film.stylus.model import MOST_OFF, PITCH, Fitted, TraceModel, fit_model
 from mpfcad.film.stylus.spread import Spread, spread_of
-from mpfcad.film.stylus.tip import USUAL_ANGLES, USUAL_RADII, StylusTip
+from mpfcad.film.stylus.tip import USUAL_ANGLE, USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
-from mpfcad.units import um
+from mpfcad.units import deg, um
 
 #: Departures of pitch and slope, as shares: named from here, and refused from there.
 NAMED, REFUSED = 0.01, 0.08
@@ -114,6 +114,51 @@ def fit_stylus_trace(
     """
     if not np.all(np.isfinite(trace.height)):
         raise InputError(f"{trace.name}: z_um: nan or inf among the heights: expected numbers")
+    options = (groove, profile, prism_widths, correct)
+    if not trace.either:
+        return _fit_upright(trace, *options)
+    found, errors = [], []
+    for each in (trace, trace.turned()):
+        try:
+            found.append(_fit_upright(each, *options))
+        except InputError as error:
+            errors.append(error)
+    if not found:
+        raise errors[0]
+    return found[0] if len(found) == 1 else _of_both_ways(trace, *found)
+
+
+def _of_both_ways(trace: StylusTrace, up: StylusFit, down: StylusFit) -> StylusFit:
+    """Return the upright fit of a trace that may as well lie upside down; its intervals hold both.
+
+    Raises
+    ------
+    InputError
+        when the two contradict each other.
+    """
+    if max(up.curvature.low, down.curvature.low) > min(up.curvature.high, down.curvature.high):
+        one, other = (
+            f"C = {fit.curvature.value:.4g} [{fit.curvature.low:.4g}, {fit.curvature.high:.4g}] /mm"
+            for fit in (up, down)
+        )
+        raise InputError(
+            f"{trace.name}: z_um: tips up, {one}, and upside down, {other}, fit alike: expected "
+            "--tip-radius-um, which may tell, or --upright"
+        )
+    note = "upside down the trace would fit as well: the interval holds both readings"
+    return replace(
+        up,
+        curvature=joined([up.curvature, down.curvature]),
+        fitted_curvature=joined([up.fitted_curvature, down.fitted_curvature]),
+        fill_fraction=joined([up.fill_fraction, down.fill_fraction]),
+        notes=(*up.notes, note),
+    )
+
+
+def _fit_upright(
+    trace: StylusTrace, groove: Groove, profile: Profile, prism_widths: int | None, correct: bool
+) -> StylusFit:
+    """Fit a trace whose tips are up."""
     widths = prism_widths or min(max(trace.widths(groove.pitch), 1), MOST_WIDTHS)
     used = trace.middle(widths * groove.pitch)
     middle = float(np.mean(used.position))
@@ -132,6 +177,12 @@ def fit_stylus_trace(
         curvature_interval(*part, other, groove, correct=correct)
         for part, other in zip(known, scaled, strict=True)
     ])  # fmt: skip
+    if not curvature.low > 0:
+        raise InputError(
+            f"{trace.name}: z_um: C = {curvature.value:.3g} [{curvature.low:.3g}, "
+            f"{curvature.high:.3g}] /mm: expected grooves of pitch {groove.pitch / um:g} µm that "
+            "can be told from a flat surface"
+        )
     right = [(one.fit, one.spread) for one in scaled]
     fill = joined([
         fill_interval(*part, share)
@@ -178,7 +229,16 @@ def _fits_of_tips(
     if trace.tip is not None:
         if trace.tip.radius == 0:
             return [sharp], [], ()
-        told = fitted(trace.tip)
+        tip, *other = trace.tip.told(sharp.model.groove.wall_slope * (1 + MOST_OFF))
+        told = fitted(tip)
+        for usual in map(fitted, other):
+            seen = usual.misfit**2
+            if WORSE * seen < told.misfit**2 and seen <= WORSE * sharp.misfit**2:
+                words = (
+                    f"the walls are steeper than the tip's cone of {tip.angle / deg:g}° can draw: "
+                    "the heights' scale is off, or its angle is another"
+                )
+                return [usual], [words], (USUAL_ANGLE,)
         if told.misfit**2 <= WORSE * sharp.misfit**2:
             return [told], [], (trace.tip.angle,)
         # A radius is known to a quarter: the trace must be sharper than that, too.

@@ -4,20 +4,18 @@ import numpy as np
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
-from mpfcad.film.stylus.model import CENTRE, PITCH, Fitted
-from mpfcad.film.stylus.spread import correlation_sum
+from mpfcad.film.stylus.model import PITCH, Fitted
+from mpfcad.film.stylus.residual import shape_misfit
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
 
 #: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
 UNEXPLAINED = 0.5
+#: Grooves whose C differ by more than this share of their mean, standard deviation, are not alike.
+_UNLIKE = 0.35
 #: Shares of the relief by which the grooves' mean shape may differ from the model before it is
 #: said, and before the trace is refused. A sine of the same pitch differs by 3 … 26 %.
-_SAID, _REFUSED = 0.015, 0.08
-#: Parts of a pitch whose mean residuals are looked at.
-_PARTS = 25
-#: A sum of so many squares is above this many times its mean with a chance below 1e-4.
-_CHANCE = 2.4
+SAID, _REFUSED = 0.015, 0.04
 
 
 def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
@@ -35,6 +33,7 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
             f"depth {groove.depth / um:g} µm"
         )
+    _refuse_unlike(trace, fit)
     off = shape_misfit(fit)
     if off > _REFUSED * relief:
         raise InputError(
@@ -42,7 +41,7 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"parabola, {off / relief:.0%} of {relief / um:.3g} µm of relief: expected a trace "
             f"across grooves of pitch {groove.pitch / um:g} µm and depth {groove.depth / um:g} µm"
         )
-    if off > _SAID * relief:
+    if off > SAID * relief:
         return [
             f"the grooves' mean shape is {off / um:.2g} µm rms off walls and parabola, "
             f"{off / relief:.1%} of the relief, more than noise: are these such grooves?"
@@ -50,22 +49,15 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
     return []
 
 
-def shape_misfit(fit: Fitted) -> float:
-    """Return by how much the mean groove differs from the model, rms [mm]; 0 if noise may do that.
-
-    The residual's mean in each 25th of a pitch over all grooves; what its scatter about that mean
-    gives by chance is taken off.
-    """
-    model, value = fit.model, fit.value
-    residual = model.residual(value)
-    turn = (model.x - value[CENTRE]) / value[PITCH] + 0.5
-    part = np.minimum((turn % 1 * _PARTS).astype(np.int64), _PARTS - 1)
-    count = np.maximum(np.bincount(part, minlength=_PARTS), 1)
-    mean = np.bincount(part, residual, _PARTS) / count
-    noise = residual - mean[part]
-    # Neighbours in a part and a groove may be off together.
-    together = np.maximum(count * value[PITCH] / np.ptp(model.x), 1.0)
-    inflated = np.minimum(correlation_sum(noise), together)
-    chance = float(np.mean(np.bincount(part, noise**2, _PARTS) / count**2 * inflated))
-    found = float(np.mean(mean**2))
-    return float(np.sqrt(found - chance)) if found > _CHANCE * chance else 0.0
+def _refuse_unlike(trace: StylusTrace, fit: Fitted) -> None:
+    """Refuse grooves of which some are, and others are not; noise may make a flat groove's C."""
+    each = fit.curvature_of_each
+    if len(each) < 4:
+        return
+    mean, seen = float(np.mean(each)), fit.value[PITCH] ** 2 / 8 / fit.noise
+    spread = float(np.std(each)) - 3 / seen
+    if spread > _UNLIKE * mean:
+        raise InputError(
+            f"{trace.name}: z_um: the grooves' C are {each.min():.3g} … {each.max():.3g} /mm: "
+            "expected grooves that are alike, of one coupon"
+        )

@@ -195,9 +195,15 @@ class Fitted:
         return kept
 
     @property
+    def curvature_of_each(self) -> NDArray[np.float64]:
+        """C [1/mm] through the tips of each groove that is seen whole enough, (k,)."""
+        each: NDArray[np.float64] = self.fills * self.value[SLOPE] / (self.value[PITCH] / 2)
+        return each
+
+    @property
     def curvature(self) -> float:
         """Mean C [1/mm] through the tips."""
-        return float(np.mean(self.fills) * self.value[SLOPE] / (self.value[PITCH] / 2))
+        return float(np.mean(self.curvature_of_each))
 
     @property
     def rms(self) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.stylus.model import FILL, PITCH, ROUNDING, SLOPE, Fitted
+from mpfcad.film.stylus.residual import correlation_sum, shape_misfit
 from mpfcad.film.stylus.slope import RISE, Held, held_fits
 
 #: Grooves from which their own scatter gives the interval.
@@ -15,6 +16,10 @@ _Z = 1.959964
 SHARE = 0.8
 #: Walls are in sight where ln(slope) is known to this, and the mean u is above that.
 _IN_SIGHT, _COVERED = 0.01, 1.15
+#: From groove to groove where they are too few to tell: relative standard deviation of u, assumed.
+_DIFFER = 0.03
+#: Ways in which a groove's mean shape may depart from the model, less those that the model has.
+_SHAPES = 15
 #: A prior standard deviation of u that matters only where nothing depends on u.
 _ANY_FILL = 1.0
 #: What is unseen counts from so many linear half-widths on.
@@ -127,13 +132,19 @@ def _half_widths(fit: Fitted, noise: float, freedom: float, *, held: bool) -> ND
     # As sums of squares: a difference of rounded products may fall below 0.
     by_noise = noise**2 * np.sum((wanted @ design.T) ** 2, axis=1)
     by_prior = noise**4 * np.sum((wanted @ prior[:3].T) ** 2, axis=1)
-    count = len(fit.fills)
     half: NDArray[np.float64] = float(stdtrit(freedom, 0.975)) * np.sqrt(by_noise)
+    count, mean = len(fit.fills), max(float(np.mean(fit.fills)), 1e-6)
     if count >= FEWEST_GROOVES:
         scatter = float(np.std(fit.fills, ddof=1) / np.sqrt(count) * stdtrit(count - 1.0, 0.975))
-        half[0] = max(half[0], scatter)
-        half[1] = max(half[1], scatter / max(float(np.mean(fit.fills)), 1e-6))
-    return np.sqrt(half**2 + _Z**2 * by_prior)
+        half[:2] = np.maximum(half[:2], [scatter, scatter / mean])
+    else:
+        seen = max(round(float(np.ptp(fit.model.x) / fit.value[PITCH])), 1)
+        scatter = _Z * _DIFFER / np.sqrt(seen)
+        half[:2] = np.hypot(half[:2], [scatter * mean, scatter])
+    # What a mean shape that is not the model's may hide along the values sought: its sum of squares
+    # is spread over all ways to depart.
+    shape = by_noise / noise**2 * len(design) * shape_misfit(fit) ** 2 / _SHAPES
+    return np.sqrt(half**2 + _Z**2 * (by_prior + shape))
 
 
 def _design(
@@ -197,15 +208,3 @@ def _unseen(fit: Fitted, noise: float) -> tuple[float, float]:
             last = float(abs(np.mean(moved[FILL:][fit.whole]) - mean))
         found.append(last)
     return found[0], found[1]
-
-
-def correlation_sum(residual: NDArray[np.float64]) -> float:
-    """Return 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0: by how much correlation widens a variance."""
-    n = len(residual)
-    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * n)) ** 2
-    covariance = np.fft.irfft(spectrum)[:n]
-    if not covariance[0] > 0:
-        return 1.0
-    rho = covariance[1:] / covariance[0]
-    end = int(np.argmax(rho <= 0)) if np.any(rho <= 0) else len(rho)
-    return float(min(1 + 2 * np.sum(rho[:end]), n / 5))

@@ -27,6 +27,16 @@ class StylusTip:
         """Slope of the cone's flank: cot(angle/2)."""
         return float(1 / np.tan(self.angle / 2))
 
+    def told(self, steepest: float) -> "list[StylusTip]":
+        """Return the tips that a stated one may be over walls of a slope up to `steepest`.
+
+        A cone that is blunter than that draws its own flank; where the trace is steeper all the
+        same, the heights' scale is off, or the angle, and the ball is on a usual cone.
+        """
+        if self.flank_slope > steepest or self.angle <= USUAL_ANGLE:
+            return [self]
+        return [self, StylusTip(self.radius)]
+
     def height(self, offset: ArrayLike) -> NDArray[np.float64]:
         """Return the tip's surface [mm] above its lowest point at an offset [mm] from its axis."""
         u = np.abs(np.asarray(offset, float))

@@ -1,6 +1,6 @@
 """Stylus traces: height over position across the grooves, as a profiler measured it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,8 @@ class StylusTrace:
         the stylus's, if stated
     reading
         what was understood of the file, in one line
+    either
+        whether it may as well lie upside down
     """
 
     position: NDArray[np.float64]
@@ -35,14 +37,17 @@ class StylusTrace:
     name: str
     tip: StylusTip | None = None
     reading: str = ""
+    either: bool = False
+
+    def turned(self) -> "StylusTrace":
+        """Return the trace upside down."""
+        return replace(self, height=-self.height)
 
     def middle(self, width: float) -> "StylusTrace":
         """Return the middle `width` [mm] of the trace, its two ends as far from the middle."""
         start = (self.position[0] + self.position[-1] - width) / 2
         inside = (self.position >= start) & (self.position < start + width)
-        return StylusTrace(
-            self.position[inside], self.height[inside], self.name, self.tip, self.reading
-        )
+        return replace(self, position=self.position[inside], height=self.height[inside])
 
     def widths(self, pitch: float) -> int:
         """Return how many whole prism widths of `pitch` [mm] the trace holds."""

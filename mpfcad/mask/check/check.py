@@ -131,8 +131,6 @@ def _check_arrays(path: Path, mask: Mask, phototool: Phototool, found: FoundMask
         tally.add(array)
     is_open = found.drawn == "open"
     tally.finish()
-    if tally.box and (min(tally.box) < 0 or tally.box[2] > width or tally.box[3] > length):
-        raise ExportError(f"{path}: an aperture outside the outline")
     ratio, squares = _ratios(mask, tally.groove_area, tally.square_area, phototool, found.drawn)
     error = _ratio_error(mask, ratio)
     _check_apertures(path, mask, phototool, found)

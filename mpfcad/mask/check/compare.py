@@ -180,6 +180,12 @@ def _shifted(array: ApertureArray, dx: int, dy: int) -> ApertureArray:
     return ApertureArray(array.shape, moved)
 
 
+def _told_apart(value: float, other: float) -> tuple[str, str]:
+    """Return two numbers of so many digits, six or more, that they differ as printed."""
+    digits = next(d for d in (6, 8, 10, 12) if f"{value:.{d}f}" != f"{other:.{d}f}")
+    return f"{value:.{digits}f}", f"{other:.{digits}f}"
+
+
 def comparison_lines(found: Comparison, most: int = 20) -> list[str]:
     """Return a comparison as lines of text."""
     lines = []
@@ -194,10 +200,14 @@ def comparison_lines(found: Comparison, most: int = 20) -> list[str]:
     grooves = found.grooves
     for groove in grooves[:most]:
         ratio, wanted = found.ratio[groove], found.wanted[groove]
-        lines.append(
-            f"groove {groove}: aperture ratio {ratio:.6f}: expected {wanted:.6f}"
-            + ("" if abs(ratio - wanted) > SAME_RATIO else " (an aperture lies elsewhere)")
-        )
+        if abs(ratio - wanted) > SAME_RATIO:
+            seen, right = _told_apart(ratio, wanted)
+            lines.append(f"groove {groove}: aperture ratio {seen}: expected {right}")
+        else:
+            lines.append(
+                f"groove {groove}: an aperture lies elsewhere, or is of another shape: expected "
+                f"it as ordered, of the same aperture ratio, {wanted:.6f}"
+            )
     if grooves.size > most:
         lines.append(f"… {grooves.size} grooves differ in all, of {len(found.ratio)}")
     if found.is_same:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import ExportError
 from mpfcad.mask.array import ApertureArray
 from mpfcad.mask.pattern.column import Columns, column_area, measure_webs
+from mpfcad.mask.rule import GRID
 
 #: Columns whose squares are worked out at a time.
 CHUNK = 2048
@@ -80,13 +81,21 @@ class Tally:
         self._add_scattered(left, bottom, *array.size)
 
     def finish(self) -> None:
-        """Add up the lattices."""
+        """Add up the lattices.
+
+        Raises
+        ------
+        ExportError
+            when an aperture reaches beyond the panel, whose area is that of no groove.
+        """
         columns = self._columns
         self.count += columns.aperture_count
         if not len(columns.left):
+            self._refuse_outside()
             return
         ends = (columns.left.min(), columns.bottom.min(), columns.right.max(), columns.top.max())
         self._grow_box(*map(int, ends))
+        self._refuse_outside()
         self.groove_area += column_area(columns, self.groove_edge)
         for first in range(0, len(columns.left), CHUNK):
             part = slice(first, first + CHUNK)
@@ -185,6 +194,18 @@ class Tally:
             )
             wide = np.where(first + k <= last, np.maximum(wide, 0), 0)
             np.add.at(self._turned, square, (length * wide).T)
+
+    def _refuse_outside(self) -> None:
+        """Refuse apertures that reach beyond the panel."""
+        right, top = float(self.groove_edge[-1]), float(self.along[-1])
+        box = self.box
+        if box and (min(box) < 0 or box[2] > right or box[3] > top):
+            left, low, far, high = (side * GRID for side in box)
+            raise ExportError(
+                f"{self.path}: apertures reach over x {left:.6f} … {far:.6f}, y {low:.6f} … "
+                f"{high:.6f} mm: expected them on the panel, 0 … {right * GRID:.6f}, "
+                f"0 … {top * GRID:.6f} mm"
+            )
 
     def _note(self, aperture: int | None, web: int | None) -> None:
         for name, size in (("smallest_aperture", aperture), ("smallest_web", web)):

@@ -5,7 +5,7 @@ import math
 from functools import cache
 from pathlib import Path
 
-from mpfcad.boundary import TEXT_LIMIT, reads
+from mpfcad.boundary import TEXT_LIMIT, reads, reason_of
 from mpfcad.errors import InputError
 from mpfcad.mask.fabric.mesh import Mesh, build_mesh
 from mpfcad.mask.fabric.name import match_name, nearest_names
@@ -41,7 +41,7 @@ def read_catalogue(path: Path) -> tuple[Mesh, ...]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as a table of meshes: {error}") from None
+        raise InputError(f"{path}: {reason_of(error)}: expected a table of meshes") from None
     if not rows or tuple(cell.strip() for cell in rows[0]) != COLUMNS:
         raise InputError(f"{path}: row 1: header: expected {','.join(COLUMNS)}")
     meshes = [_read_row(row, f"{path}: row {number}") for number, row in enumerate(rows[1:], 2)]

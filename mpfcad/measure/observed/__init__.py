@@ -5,6 +5,7 @@ from mpfcad.measure.observed.cell import ObservedCell, observe_cell
 from mpfcad.measure.observed.curve import ObservedCurve, read_curve
 from mpfcad.measure.observed.image import LuminanceImage, Photo, read_image
 from mpfcad.measure.observed.lamp import check_pitch, find_pitch
+from mpfcad.measure.observed.lattice import lattice_words
 from mpfcad.measure.observed.pitch import ObservedPitch, observe_pitch
 from mpfcad.measure.observed.stripe import curve_of_image
 
@@ -18,6 +19,7 @@ __all__ = [
     "check_pitch",
     "curve_of_image",
     "find_pitch",
+    "lattice_words",
     "observe_cell",
     "observe_pitch",
     "read_curve",

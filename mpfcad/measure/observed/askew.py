@@ -9,6 +9,7 @@ import numpy as np
 from mpfcad.errors import InputError
 from mpfcad.measure.observed.curve import ObservedCurve
 from mpfcad.measure.observed.image import LuminanceImage
+from mpfcad.measure.observed.spectrum import BLUR, spectrum_of
 from mpfcad.measure.observed.stripe import curve_of_image, means_across
 
 #: Angles [rad] to each side that are tried, their step, and how often the step is halved.
@@ -19,9 +20,10 @@ _SAMPLE = 200_000
 _SAID, _REFUSED = 1e-3, 0.02
 #: Standard deviations of noise that a gain of variance must exceed.
 _CERTAIN = 5.0
-#: Blocks along an image's longer side whose spectrum is taken; power of a wave that is not across
-#: over that of any across, or of noise.
-_SPECTRUM, _STEEP = 256, 10.0
+#: Power of a wave that is not across over that of any across, or of noise.
+_STEEP = 10.0
+#: Stripes of less power beside bands than this share of theirs may be a window's leakage.
+_FAINT = 1e-4
 
 
 def askew_words(path: Path, image: LuminanceImage, curve: ObservedCurve) -> str:
@@ -32,11 +34,8 @@ def askew_words(path: Path, image: LuminanceImage, curve: ObservedCurve) -> str:
     InputError
         when so much contrast is lost that the mean over the rows does not show it.
     """
-    steep = steepness(image)
-    if steep is not None:
-        words = f"{_words(image, 'stripes', steep)} which leaves none across"
-        raise InputError(f"{path}: {words}: {_mend(image, steep)}")
-    return _said(path, image, askew(image, curve), "stripes")
+    said = steep_words(path, image), _said(path, image, askew(image, curve), "stripes")
+    return "; ".join(words for words in said if words)
 
 
 def spots_askew_words(path: Path, image: LuminanceImage) -> str:
@@ -80,35 +79,34 @@ def _mend(image: LuminanceImage, angle: float) -> str:
     return f"expected --rotation-deg {(turn + 90) % 180 - 90:.2f}"
 
 
-def steepness(image: LuminanceImage) -> float | None:
-    """Return by what angle [rad] stripes are askew beyond what `askew` tries; None where not.
+def steep_words(path: Path, image: LuminanceImage) -> str:
+    """Return what is to be said of waves that run far from across; "" where there are none.
 
-    It is that of the strongest wave of the image's spectrum, where waves across are far weaker.
+    Raises
+    ------
+    InputError
+        when they are all that the image shows.
     """
-    light = image.straight
-    rows, columns = light.shape
-    part = max(1, round(max(light.shape) / _SPECTRUM))
-    light = light[: rows // part * part, : columns // part * part]
-    light = light.reshape(rows // part, part, columns // part, part).mean(axis=(1, 3))
-    rows, columns = light.shape
-    y, x = (grid.ravel() for grid in np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j])
-    trend = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
-    flat = light.ravel() - trend @ np.linalg.lstsq(trend, light.ravel(), rcond=None)[0]
-    window = np.hanning(rows)[:, None] * np.hanning(columns)[None]
-    power = np.abs(np.fft.rfft2(flat.reshape(rows, columns) * window)) ** 2
-    v, u = np.fft.fftfreq(rows)[:, None], np.fft.rfftfreq(columns)[None]
-    # Fewer than two waves over the image are a trend.
-    power[np.hypot(u * columns, v * rows) < 2] = 0
-    angle = np.arctan2(-v, u) - image.rotation
-    angle = (angle + np.pi / 2) % np.pi - np.pi / 2
+    waves = spectrum_of(image)
+    angle = (waves.angle - image.rotation + np.pi / 2) % np.pi - np.pi / 2
     # A window blurs by a bin or two: across is what lies within the angles tried, or beside them.
-    off = np.abs(np.hypot(u * columns, v * rows) * np.sin(angle)) > 2
+    off = np.abs(np.hypot(waves.across, waves.along) * np.sin(angle)) > BLUR
     steep = (np.abs(angle) > _MOST) & off
-    at = np.unravel_index(np.argmax(np.where(steep, power, 0)), power.shape)
-    most, across = float(power[at]), float(np.max(np.where(steep, 0, power)))
-    if most < _STEEP * max(across, 2 * float(power.mean())):
-        return None
-    return float(angle[at])
+    at = int(np.argmax(np.where(steep, waves.power, 0)))
+    most, across = float(waves.power.flat[at]), float(np.max(np.where(steep, 0, waves.power)))
+    if most < _STEEP * max(across, 2 * float(waves.power.mean())):
+        return ""
+    turn, length = float(angle.flat[at]), waves.length(at) * image.pixel
+    if abs(turn) < np.pi / 2 - _MOST:
+        words = f"{_words(image, 'stripes', turn)} which leaves none across"
+        raise InputError(f"{path}: {words}: {_mend(image, turn)}")
+    bands = f"bands of {length:.3g} mm run along x, upright on lamps along y"
+    if across < max(_STEEP * waves.noise, _FAINT * most):
+        raise InputError(
+            f"{path}: {bands}, and no stripes are seen beside them: {_mend(image, turn)} where the "
+            "bands are the lamps"
+        )
+    return f"{bands}: they are averaged over, and not judged"
 
 
 def askew(image: LuminanceImage, curve: ObservedCurve) -> tuple[float, float] | None:

@@ -10,6 +10,7 @@ import numpy as np
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.backlight.check import check_layers
 from mpfcad.backlight.layer import LAYERS
+from mpfcad.boundary import reason_of
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Groove, PrismFilm
 from mpfcad.film.groove import Profile
@@ -177,7 +178,9 @@ def _of_export(where: str, folder: Path) -> tuple[Path, float]:
         traced = record["provenance"]["traced"]
         return folder / traced["file"], float(traced["offset_mm"])
     except (ExportError, KeyError, ValueError, OSError) as error:
-        raise InputError(f"{where}.film: {error}: expected an export of mpfcad run") from None
+        raise InputError(
+            f"{where}.film: {reason_of(error)}: expected an export of mpfcad run"
+        ) from None
 
 
 def _of_job(where: str, path: Path, stack: Stack, folder: Path) -> tuple[Path, float]:

@@ -24,6 +24,7 @@ from mpfcad.job.fit import Fit, MeasurementTable, PredictTable
 from mpfcad.measure.observed import (
     Photo,
     askew_words,
+    check_pitch,
     curve_of_image,
     observe_pitch,
     read_curve,
@@ -34,6 +35,8 @@ from mpfcad.measure.observed.image import is_image
 #: Cosines of a measured curve that are compared.
 _COSINES = 4
 _FEWEST_ANGLES = 3
+#: A curve's stated lamp pitch may be off the backlight's by so much: the scale of a file.
+_SAME_PITCH = 0.05
 #: A cut within a quarter turn in radians is no cut in degrees [°].
 _RADIANS = np.pi / 2
 #: Kind of view and figure of each scalar.
@@ -57,7 +60,7 @@ def figured_of(table: PredictTable | MeasurementTable) -> Figured:
 def read_data(fit: Fit, file: Path, pitch: float) -> tuple[list[Datum], list[str]]:
     """Return what a fit's file says was measured, and how its files were understood.
 
-    `pitch`: of the lamps [mm], where a curve's own is not stated.
+    `pitch`: of the backlight's lamps [mm], where a case has no other.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def read_data(fit: Fit, file: Path, pitch: float) -> tuple[list[Datum], list[str
     for number, table in enumerate(fit.measurement, 1):
         where = f"{file}: measurement {number}"
         if table.of == "curve":
-            data += _curve(where, table, file, pitch, notes)
+            data += _curve(where, table, file, _lamp_pitch(fit, table, pitch), notes)
         elif table.of in ("cut_across", "cut_along"):
             data.append(_cut(where, table, file))
         else:
@@ -82,6 +85,13 @@ def _scalar(table: MeasurementTable) -> Datum:
     side, value = next((s, v) for s, v in stated.items() if v is not None)
     assert table.sigma is not None  # the model holds it
     return Datum(figured_of(table), np.array([value]), np.array([[table.sigma**2]]), side)
+
+
+def _lamp_pitch(fit: Fit, table: MeasurementTable, pitch: float) -> float:
+    """Return the lamp pitch [mm] of a measurement's case: its own, or the backlight's."""
+    own = fit.case[table.case].override.get("lamp_pitch_mm", pitch)
+    own = own.get("value", pitch) if isinstance(own, dict) else own
+    return float(own)
 
 
 def _curve(
@@ -104,7 +114,19 @@ def _curve(
         notes += filter(None, [askew_words(path, image, curve)])
     else:
         curve = read_curve(path, table.unit)
-    seen = observe_pitch(curve, table.pitch_mm or pitch, table.lamp_at_mm)
+    own = table.pitch_mm or pitch
+    if abs(own / pitch - 1) > _SAME_PITCH:
+        raise InputError(
+            f"{where}: pitch_mm {own:g}: expected the backlight's lamp pitch, {pitch:g} mm, "
+            f"within {_SAME_PITCH:.0%}"
+        )
+    whose = "pitch_mm" if table.pitch_mm else "the backlight's lamp pitch in mm,"
+    said = check_pitch(
+        f"{where}: {table.file}", curve.position, curve.luminance, own, whose,
+        "a curve of that backlight",
+    )  # fmt: skip
+    notes += [f"{table.file}: {said}"] if said else []
+    seen = observe_pitch(curve, own, table.lamp_at_mm)
     notes.append(curve.reading)
     mean = float(seen.fit.coefficient[0])
     at = slice(1, 2 * _COSINES, 2)

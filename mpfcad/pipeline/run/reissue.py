@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight.stored import restore_stack
+from mpfcad.boundary import reason_of
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import Job, build_job
 from mpfcad.pipeline.plan.field import FIELD_FILE, read_field_film
@@ -98,7 +99,9 @@ def _job_document(folder: Path) -> dict[str, Any]:
         try:
             document = json.loads(file.read_text("utf-8")).get("job")
         except (OSError, ValueError) as error:
-            raise InputError(f"{file}: cannot be read: {error}") from None
+            raise InputError(
+                f"{file}: cannot be read: {reason_of(error)}: expected the record of an export"
+            ) from None
         if isinstance(document, dict) and "stack" in document:
             held = [folder / CURVATURE_FILE, folder / FIELD_FILE]
             if not any(path.is_file() for path in held):

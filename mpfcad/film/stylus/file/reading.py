@@ -12,12 +12,24 @@ from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.file.column import find_profile
 from mpfcad.film.stylus.file.instrument_file import is_instrument_file, read_instrument_file
 from mpfcad.film.stylus.file.profile import RawProfile, tidy
-from mpfcad.film.stylus.file.scale import SHOWN, Shape, fitting_units, is_plausible, read_shape
+from mpfcad.film.stylus.file.scale import (
+    FLATTEST,
+    MOST_RELIEF,
+    SHOWN,
+    fitting_units,
+    read_shape,
+    relief_of,
+)
 from mpfcad.film.stylus.file.text import read_table
 from mpfcad.film.stylus.file.unit import UNITS, WORDS, parse_unit
+from mpfcad.film.stylus.misfit import SAID
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace, check_sampling
+from mpfcad.film.stylus.upright import Lie, lie_of
 from mpfcad.units import deg, um
+
+#: Share of the misfit that heights in another unit must come down to.
+_CLEARLY = 0.6
 
 
 @dataclass(frozen=True)
@@ -34,12 +46,15 @@ class ReadingOption:
         whether sign and unit are set right by pitch and depth, instead of refused
     tip
         the stylus's
+    upright
+        whether heights are known to have the tips up, so that it is not asked
     """
 
     units: tuple[str, str] | None = None
     columns: tuple[int, int] | None = None
     correct: bool = False
     tip: StylusTip | None = None
+    upright: bool = False
 
 
 def parse_units(text: str) -> tuple[str, str]:
@@ -124,11 +139,11 @@ def _scaled(
         _refuse_other_position(path, raw, groove, profile)
         raise
     tip = option.tip or raw.tip
-    z, corrected = _upright(path, x, z, replace(raw, tip=tip), option, groove, profile)
+    z, corrected, either = _upright(path, x, z, replace(raw, tip=tip), option, groove, profile)
     words = [*raw.words[:1], said, *raw.words[1:], f"{len(x):,} points"]
     words += [corrected] if corrected else []
     words.append(_tip_words(tip, option.tip is not None))
-    return StylusTrace(x, z, path.name, tip, f"read {path.name}: {', '.join(words)}")
+    return StylusTrace(x, z, path.name, tip, f"read {path.name}: {', '.join(words)}", either)
 
 
 def _read_raw(path: Path, option: ReadingOption) -> RawProfile:
@@ -204,67 +219,81 @@ def _upright(
     option: ReadingOption,
     groove: Groove,
     profile: Profile,
-) -> tuple[NDArray[np.float64], str]:
-    """Return heights of the right sign and size, and what was corrected ("" nothing).
+) -> tuple[NDArray[np.float64], str, bool]:
+    """Return heights of the right sign and size, what was corrected, and if they may lie over.
 
     Raises
     ------
     InputError
-        naming what is wrong, unless it shall be corrected.
+        naming what is wrong, unless it shall be corrected; where no reading fits, both.
     """
-    shape = read_shape(x, z, groove, profile, raw.tip)
-    faults: list[str] = []
-    if shape.explained < SHOWN:
+    if read_shape(x, z, groove, profile, raw.tip).explained < SHOWN:
         other = _other_units(raw, groove, profile)
         if other:
             raise InputError(
                 f"{path}: no grooves of pitch {groove.pitch / um:g} µm with positions in "
                 f"{raw.position_unit}; as {other} there are: expected --unit {_option(other)}"
             )
-        return z, ""  # the fit says what it shows instead
-    if shape.sign < 0:
-        z = -z
-        faults.append("z upside down: the grooves' sharp edges point down")
-    if not is_plausible(shape, groove, profile):
-        factor, words = _height_factor(shape, raw, groove, profile)
-        if not (factor and option.correct):
-            size = shape.relief / um
-            raise InputError(
-                f"{path}: relief {size:.4g} µm with z in {raw.height_unit}, depth "
-                f"{groove.depth / um:g} µm: {words}: expected heights of the grooves; "
-                + (f"--correct takes them times {factor:g}, or --unit says it" if factor else
-                   "is --depth-um right, and z in its unit?")
-            )  # fmt: skip
-        z = z * factor
-        faults.append(words)
-    if faults and not option.correct:
+    lie = lie_of(x, z, groove, profile, raw.tip)
+    faults: list[str] = []
+    size = relief_of(x, z)
+    if lie.share > 0 or not size > FLATTEST * groove.depth:
+        factor, words, scaled = _height_factor(x, z, raw, groove, profile, lie)
+        if words:
+            if not (factor and option.correct):
+                raise InputError(
+                    f"{path}: relief {size / um:.4g} µm with z in {raw.height_unit}, depth "
+                    f"{groove.depth / um:g} µm: {words}: expected heights of the grooves; "
+                    + (f"--correct takes them times {factor:g}, or --unit says it" if factor else
+                       "is --depth-um right, and z in its unit?")
+                )  # fmt: skip
+            z, lie = z * factor, scaled or lie
+            faults.append(words)
+    if option.upright:
+        return z, ", ".join(f"{fault} (corrected)" for fault in faults), False
+    if lie.way == "neither":
         raise InputError(
-            f"{path}: {faults[0]}: expected tips up: --correct turns it, or is it a mould's trace?"
+            f"{path}: z shows no grooves of pitch {groove.pitch / um:g} µm and depth "
+            f"{groove.depth / um:g} µm: {lie.words}: expected one that leaves {SAID:.1%} or less"
         )
-    return z, ", ".join(f"{fault} (corrected)" for fault in faults)
+    if lie.way == "down":
+        if not option.correct:
+            raise InputError(
+                f"{path}: z upside down: {lie.words}: expected tips up: --correct turns it, "
+                "--upright keeps it, or is it a mould's trace?"
+            )
+        z = -z
+        faults.insert(0, "z upside down")
+    return z, ", ".join(f"{fault} (corrected)" for fault in faults), lie.way == "either"
 
 
 def _height_factor(
-    shape: Shape, raw: RawProfile, groove: Groove, profile: Profile
-) -> tuple[float, str]:
-    """Return by what heights must be multiplied to be the grooves', 0 if nothing is, and why."""
+    x: NDArray[np.float64], z: NDArray[np.float64], raw: RawProfile, groove: Groove,
+    profile: Profile, as_stated: Lie,
+) -> tuple[float, str, Lie | None]:  # fmt: skip
+    """Return by what heights must be multiplied to be the grooves', why, and how they lie then.
+
+    The factor is 0 where none is, or several are; the words are empty where heights have the
+    grooves' size, and fit as stated as well as in any other.
+    """
+    size = relief_of(x, z)
+    lowest, highest = FLATTEST * groove.depth, groove.depth * MOST_RELIEF[profile]
     fits = []
     for factor in (1e-4, 1e-3, 1e-1, 1e1, 1e3, 1e4):
-        scaled = replace(
-            shape,
-            gain=None if shape.gain is None else shape.gain * factor,
-            relief=shape.relief * factor,
-        )
-        close = shape.gain is None or 0.8 < shape.gain * factor < 1.25
-        if close and is_plausible(scaled, groove, profile):
-            fits.append(factor)
+        if lowest < size * factor < highest:
+            lie = lie_of(x, z * factor, groove, profile, raw.tip)
+            if lie.fits and lie.misfit < _CLEARLY * factor * as_stated.misfit:
+                fits.append((factor, lie))
     if len(fits) != 1:
-        reading = " or ".join(f"{factor:g}" for factor in fits)
-        return 0.0, f"z is not in that unit{': times ' + reading if reading else ''}"
-    size = UNITS[str(raw.height_unit)] * fits[0]
-    names = [name for name, unit in UNITS.items() if abs(unit / size - 1) < 1e-9]
-    what = f"z is in {names[0]}" if names else f"z is {1 / fits[0]:g} times its size"
-    return fits[0], what
+        if lowest < size < highest and (not fits or as_stated.fits):
+            return 0.0, "", None
+        reading = " or ".join(f"{factor:g}" for factor, _ in fits)
+        return 0.0, f"z is not in that unit{': times ' + reading if reading else ''}", None
+    factor, lie = fits[0]
+    unit = UNITS[str(raw.height_unit)] * factor
+    names = [name for name, each in UNITS.items() if abs(each / unit - 1) < 1e-9]
+    what = f"z is in {names[0]}" if names else f"z is {1 / factor:g} times its size"
+    return factor, what, lie
 
 
 def _other_units(raw: RawProfile, groove: Groove, profile: Profile) -> tuple[str, str] | None:

@@ -1,4 +1,4 @@
-"""Unit, scale and sign of a trace against the pitch and depth that its grooves are known to have.
+"""Unit and scale of a trace against the pitch and depth that its grooves are known to have.
 
 A trace of V grooves with bare walls tells its own scale: the walls' slope. One whose resin covers
 the walls is a parabola between tips at any scale; there only the relief can be wrong by far.
@@ -21,10 +21,11 @@ SHOWN = 0.5
 TOLERANCE = 0.12
 #: A relief below this share of the depth is that of another unit.
 FLATTEST = 0.02
+#: And above this one, by profile: a mould's parabola may dip below the walls' valley.
+MOST_RELIEF: dict[Profile, float] = {"filled": 1.2, "ideal": 2.5}
 #: Points that are looked at.
 _POINTS = 1500
-#: Tips tried: a large one makes an empty groove look like a filled one that
-#: lies upside down.
+#: Tips tried.
 _TIPS = (None, StylusTip(2 * um), StylusTip(5 * um), StylusTip(12.5 * um))
 
 
@@ -38,8 +39,6 @@ class Shape:
         share of the trace's variance that grooves of this pitch explain
     pitch
         [mm]
-    sign
-        +1 with the tips up, -1 with the tips down; 0 when the shape tells nothing
     gain
         heights over those of the bare walls' slope; None where no wall is bare
     relief
@@ -48,7 +47,6 @@ class Shape:
 
     explained: float
     pitch: float
-    sign: int
     gain: float | None
     relief: float
 
@@ -76,18 +74,13 @@ def read_shape(
     centre = (phase / (2 * np.pi) + 0.5) * pitch
     # A stated tip too: a file may name one that did not trace it.
     tips = (*_TIPS, tip) if tip else _TIPS
-    up, down = (
-        min(
-            (_fit_shape(x, z, DilatedGroove(groove, profile, t), pitch, centre + turn))
-            for t in tips
-        )
+    # The first harmonic puts the tips where the trace is high; upside down they are low.
+    _, gain, bare, relief = min(
+        _fit_shape(x, z, DilatedGroove(groove, profile, t), pitch, centre + turn)
+        for t in tips
         for turn in (0.0, pitch / 2)
     )
-    # The first harmonic puts the tips where the trace is high; upside down they are low.
-    upright, turned = up[0], down[0]
-    sign = 0 if min(upright, turned) > 0.8 * max(upright, turned) else 1 if upright < turned else -1
-    _, gain, bare, relief = up if sign >= 0 else down
-    return Shape(share, pitch, sign, gain if bare else None, relief)
+    return Shape(share, pitch, gain if bare else None, relief)
 
 
 def _explained(x: NDArray[np.float64], z: NDArray[np.float64], pitch: float) -> tuple[float, float]:
@@ -173,5 +166,11 @@ def is_plausible(shape: Shape, groove: Groove, profile: Profile) -> bool:
     """Return whether heights are of the grooves' size, as far as their shape can tell."""
     if shape.gain is not None and not 0.5 < shape.gain < 2:
         return False
-    highest = groove.depth * (1.2 if profile == "filled" else 2.5)
-    return FLATTEST * groove.depth < shape.relief < highest
+    return FLATTEST * groove.depth < shape.relief < groove.depth * MOST_RELIEF[profile]
+
+
+def relief_of(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
+    """Return how far heights (n,) [mm] reach about a parabola, a few spikes left out."""
+    base = _base((x - x[0]) / np.ptp(x))
+    flat = z - base @ np.linalg.lstsq(base, z, rcond=None)[0]
+    return float(np.subtract(*np.percentile(flat, [98, 2])))

@@ -2,7 +2,8 @@
 
 A block is `AOI` (angle of incidence, deg), `POI`, `Side Front|Back`, `ScatterType BRDF|BTDF`, `TIS`
 and the values, azimuth by azimuth. The light comes from azimuth 90°, so what goes straight on or is
-mirrored leaves at 270° (libbsdf, LightToolsBsdfReader). `Front` is light from above.
+mirrored leaves at 270° (libbsdf, LightToolsBsdfReader, which reads isotropic files alone). `Front`
+is light from above.
 """
 
 from pathlib import Path
@@ -53,7 +54,11 @@ def read_lighttools(path: Path) -> tuple[AngleBasis, bool, Matrices, tuple[str, 
         if spectral == "xyz" and block.get("tristimulusvalue", "").lower() != "trisy":
             continue
         if float(block.get("poi", 0)) != 0:
-            raise InputError(f"{path}: POI {block['poi']}: expected 0: only isotropic files")
+            raise InputError(
+                f"{path}: block AOI {block.get('aoi', '?')}, POI {block['poi']}: an anisotropic "
+                "file: from which axis POI turns, and whether ScatterAzimuth turns with it, is not "
+                "published: expected POI 0, or the sheet as Zemax .bsdf, Klems XML or CSV"
+            )
         try:
             key = (_WAYS[block["scattertype"].lower()], _SIDES[block["side"].lower()])
             incidence = float(block["aoi"])
