@@ -110,8 +110,8 @@ def _judge_spots(
     path: Path, image: LuminanceImage, judging: Judging, predicted: dict[str, Any] | None
 ) -> tuple[dict[str, Any], Estimate]:
     """Return the record of an image of spots, and its contrast."""
-    notes = [spots_askew_words(path, image)]
     try:
+        notes = [spots_askew_words(path, image)]
         size = _cell_size(path, image, judging.cell, notes)
         found = observe_cell(image, size, judging.seed)
     except InputError as error:

@@ -160,7 +160,7 @@ def test_bad_emission_files(tmp_path):
         ("dead = [2]", "", ["source.dead", "LED 2"]),
         ("dead = [1]", "", ["source.dead", "all LEDs"]),
         ("seed = -1", "", ["source.seed"]),
-        ("", "led_width_mm = 12.5", ["overlap their own repetition in a cell of 12 ×"]),
+        ("", "led_width_mm = 12.5", ["overlap their own repetition in a cell of 12.15 ×"]),
         ("", "led_height_mm = 7", ["thickness_mm"]),
     ],
 )

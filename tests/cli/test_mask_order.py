@@ -241,7 +241,8 @@ def one_nanometre(layout, top):
     merged(layout, top)
     layer = layout.find_layer(1, 0)
     shape = next(top.shapes(layer).each())
-    top.shapes(layer).insert(shape.bbox().enlarged(0, 0, 0, 1))
+    box = shape.bbox()
+    top.shapes(layer).insert(kdb.Box(box.left, box.bottom, box.right, box.top + 1))
 
 
 def test_a_nanometre_is_seen_in_the_digits(export, tmp_path, capsys):

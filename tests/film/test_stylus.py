@@ -72,12 +72,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
 
 def test_correlated_noise_widens_the_interval():
     """A running mean over 20 points: each independent error now counts 20 times."""
-    rough = trace(57.0, noise=0.0)
+    rough = trace(57.0, noise=0.0, length=0.3)
     noise = np.random.default_rng(2).normal(0, 4.5e-4, len(rough.height) + 19)
     noise = np.convolve(noise, np.ones(20) / 20, "valid")
     wavy = fit_stylus_trace(StylusTrace(rough.position, rough.height + noise, "wavy", SHARP), BEF)
-    white = fit_stylus_trace(trace(57.0), BEF)
-    assert wavy.residual_rms == pytest.approx(white.residual_rms, rel=0.2)
+    white = fit_stylus_trace(trace(57.0, length=0.3), BEF)
+    assert wavy.residual_rms == pytest.approx(white.residual_rms, rel=0.25)
     assert wavy.curvature.high - wavy.curvature.low > 3 * (
         white.curvature.high - white.curvature.low
     )

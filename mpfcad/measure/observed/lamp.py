@@ -16,7 +16,7 @@ _PERIODS = 2.9
 #: A period is shown clearly where it explains this share; periods alike within this share.
 _CLEAR, _ALIKE = 0.8, 0.03
 #: Periods near a stated one that are tried; one this much off is named, and refused.
-_NEAR, _TRIED_NEAR, _NAMED, _REFUSED = 0.12, 97, 0.015, 0.05
+_NEAR, _TRIED_NEAR, _NAMED, _REFUSED = 0.12, 49, 0.015, 0.05
 #: A share that leaves no room for another period.
 _SURE = 0.995
 
@@ -96,10 +96,12 @@ def _near(
     position: NDArray[np.float64], luminance: NDArray[np.float64], stated: float
 ) -> tuple[float, float]:
     """Return the period [mm] near a stated one that explains most, and how much it does."""
-    tried = stated * np.linspace(1 - _NEAR, 1 + _NEAR, _TRIED_NEAR)
-    shares = [_explained(position, luminance, float(p))[0] for p in tried]
-    best = int(np.argmax(shares))
-    return float(tried[best]), shares[best]
+    found, width = stated, _NEAR
+    for _ in range(2):
+        tried = found + stated * np.linspace(-width, width, _TRIED_NEAR)
+        shares = [_explained(position, luminance, float(p))[0] for p in tried]
+        found, width = float(tried[int(np.argmax(shares))]), 2 * width / _TRIED_NEAR
+    return found, max(shares)
 
 
 def _best(position: NDArray[np.float64], luminance: NDArray[np.float64]) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from mpfcad.measure.observed.image import LuminanceImage
 from mpfcad.measure.observed.spectrum import spectrum_of
 
 #: Turns [rad] that `askew` finds by itself.
-_NEAR = math.radians(3.0)
+_NEAR = math.radians(10.0)
 #: Waves are looked at in steps of a fourth; along a side to so many waves upright on it.
 _FINER, _SIDE = 4, 0.3
 #: A wave's power over that of noise, and over that of any wave along the image's sides.
