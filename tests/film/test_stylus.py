@@ -78,7 +78,8 @@ def test_correlated_noise_widens_the_interval():
     wavy = fit_stylus_trace(StylusTrace(rough.position, rough.height + noise, "wavy", SHARP), BEF)
     white = fit_stylus_trace(trace(57.0, length=0.3), BEF)
     assert wavy.residual_rms == pytest.approx(white.residual_rms, rel=0.25)
-    assert wavy.curvature.high - wavy.curvature.low > 3 * (
+    # The waviness that is sought takes some of it away.
+    assert wavy.curvature.high - wavy.curvature.low > 2 * (
         white.curvature.high - white.curvature.low
     )
     assert wavy.curvature.low <= 57.0 <= wavy.curvature.high
