@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 from .reader import readers
-from .run import fuzz, limit_memory
+from .run import TIME_LIMIT, fuzz, limit_memory
 
 
 def main() -> int:
@@ -35,7 +35,8 @@ def main() -> int:
                 f"slowest {tally.slowest:.2f} s",
                 flush=True,
             )
-            for text, data in tally.faults:
+            slow = [("slow", tally.slowest_file)] if tally.slowest > TIME_LIMIT / 3 else []
+            for text, data in tally.faults + slow:
                 given.keep.mkdir(exist_ok=True)
                 name = f"{reader.name}-{hashlib.sha256(data).hexdigest()[:8]}"
                 (given.keep / f"{name}{reader.suffix}").write_bytes(data)

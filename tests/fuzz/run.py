@@ -15,6 +15,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import psutil
+
 from mpfcad.cli.stream import one_line
 from mpfcad.errors import ExportError, InputError
 
@@ -24,8 +26,9 @@ from .mutate import mutate
 #: Longest time of one file [s], and memory of the process [bytes].
 TIME_LIMIT, MEMORY_LIMIT = 10.0, 6_000_000_000
 _POOL = 400
-#: Files that one process reads with a library in C++, and how long it may be silent [s].
-_CHUNK, _SILENT = 5000, 60.0
+#: Files that one process reads with a library in C++, and how long it may take of a processor, and
+#: of the clock, for one of them [s]: on a busy machine it may wait, a deadlock has no end.
+_CHUNK, _BUSY, _SILENT = 5000, 20.0, 600.0
 
 
 class TooSlowError(BaseException):
@@ -41,6 +44,7 @@ class Tally:
     crashed: int = 0
     outcomes: int = 0
     slowest: float = 0.0
+    slowest_file: bytes = b""
     faults: list[tuple[str, bytes]] = field(default_factory=list)
 
 
@@ -54,11 +58,20 @@ def fuzz(reader: Reader, count: int, seed: int, folder: Path, seconds: float) ->
     """Return what came of up to `count` mutated files within `seconds`."""
     work = Work(reader, random.Random(f"{seed} {reader.name}"), folder / f"in{reader.suffix}")
     end = time.monotonic() + seconds
+    if reader.native:
+        _warm(work)
     while work.done < count and time.monotonic() < end:
         chunk = min(_CHUNK, count - work.done)
         work = _apart(work, chunk, end) if reader.native else work.go(chunk, end)
     work.tally.outcomes = len(work.known)
     return work.tally
+
+
+def _warm(work: "Work") -> None:
+    """Read a file to begin from, so that a process after a crash need not load its libraries."""
+    work.path.write_bytes(work.pool[0])
+    with suppress(InputError, ExportError):
+        work.reader.read(work.path)
 
 
 def _apart(work: "Work", count: int, end: float) -> "Work":
@@ -74,16 +87,16 @@ def _apart(work: "Work", count: int, end: float) -> "Work":
     before = work.done
     child.start()
     there.close()
-    seen, since = -1, time.monotonic()
+    seen, since, busy = -1, time.monotonic(), _processor_time(child.pid)
     trouble = ""
     while not here.poll(0.5):
         if alive.value != seen:
-            seen, since = alive.value, time.monotonic()
+            seen, since, busy = alive.value, time.monotonic(), _processor_time(child.pid)
         if not child.is_alive() and not here.poll(0.1):
             trouble = f"crash: exit code {child.exitcode}"
             break
-        if time.monotonic() - since > _SILENT:
-            trouble = f"no end within {_SILENT:g} s"
+        if _processor_time(child.pid) - busy > _BUSY or time.monotonic() - since > _SILENT:
+            trouble = f"no end within {_BUSY:g} s of a processor, {_SILENT:g} s of the clock"
             child.kill()
             break
     if not trouble:
@@ -104,6 +117,14 @@ def _apart(work: "Work", count: int, end: float) -> "Work":
     work.done = max(alive.value, before + 1)
     work.rng.seed(f"{work.done} {work.reader.name}")
     return work
+
+
+def _processor_time(pid: int | None) -> float:
+    """Return the time [s] that a process has had of a processor; of one that has ended, 0."""
+    with suppress(psutil.Error):
+        times = psutil.Process(pid).cpu_times()
+        return times.user + times.system
+    return 0.0
 
 
 @dataclass
@@ -179,7 +200,9 @@ def _one(reader: Reader, path: Path, data: bytes, tally: Tally) -> str:
         text = "".join(traceback.format_exception(error)[-2:])
         tally.faults.append((f"{type(error).__name__}: {text}"[:800], data))
     signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-    tally.slowest = max(tally.slowest, time.process_time() - start)
+    took = time.process_time() - start
+    if took > tally.slowest:
+        tally.slowest, tally.slowest_file = took, data
     with suppress(FileNotFoundError):
         path.unlink()
     return outcome

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 _NAMED = re.compile(r"[A-Z]+_(\d+)")
 #: Database unit of a mask file [µm].
 DATABASE_UNIT = GRID / um
+#: Places of a file that are gone through one by one, at most: a few bytes can state 10⁹ of them.
+MOST_PLACES = 50_000_000
+_MOST_FIDUCIALS = 10_000
 #: DXF's numbers of units end here; the first is none.
 _UNITS = 25
 
@@ -100,7 +103,7 @@ def read_layout(path: Path) -> FoundMask:
         outline=read_outline(path, layout),
         unit=layout.dbu,
         text=text,
-        fiducials=_boxes(layout, FIDUCIAL),
+        fiducials=_boxes(path, layout, FIDUCIAL),
         coupon=tuple(layout_arrays(path, layout, COUPON)),
         drawn=read_polarity(path, text),
         arrays=lambda: layout_arrays(path, layout, APERTURE),
@@ -137,13 +140,26 @@ def _rectangle(shape: "kdb.Shape") -> "kdb.Box | None":
     return shape.polygon.bbox() if shape.is_polygon() and shape.polygon.is_box() else None
 
 
-def _boxes(layout: "kdb.Layout", number: int) -> tuple[Box, ...]:
+def refuse_many(path: Path, cell: str, count: int, most: int = MOST_PLACES) -> None:
+    """Refuse to go through more places than any mask has.
+
+    Raises
+    ------
+    ExportError
+        naming the cell.
+    """
+    if count > most:
+        raise ExportError(f"{path}: cell {cell[:60]}: {count} places: expected at most {most}")
+
+
+def _boxes(path: Path, layout: "kdb.Layout", number: int) -> tuple[Box, ...]:
     layer = layout.find_layer(number, 0)
     if layer is None:
         return ()
-    found = []
+    found: list[Box] = []
     shapes = layout.top_cell().begin_shapes_rec(layer)
     for shape in shapes.each():
+        refuse_many(path, layout.top_cell().name, len(found) + 1, _MOST_FIDUCIALS)
         box = shape.shape().bbox().transformed(shape.trans())
         found.append((box.left, box.bottom, box.right, box.top))
     return tuple(found)
@@ -181,6 +197,8 @@ def _cell_arrays(
         if not inner[index]:
             continue
         place = _placement(path, instance)
+        if not layout.cell(index).is_leaf():
+            refuse_many(path, cell.name, place.count * len(inner[index]))
         for x, y, array in inner[index]:
             if layout.cell(index).is_leaf():
                 yield x, y, ApertureArray(array.shape, place)

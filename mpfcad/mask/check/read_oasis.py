@@ -10,7 +10,7 @@ import numpy as np
 from mpfcad.errors import ExportError
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.check.found import FoundMask, read_polarity
-from mpfcad.mask.check.read_layout import layout_window, open_layout, read_outline
+from mpfcad.mask.check.read_layout import layout_window, open_layout, read_outline, refuse_many
 from mpfcad.mask.format.flat import shift
 from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, TEXT
 from mpfcad.mask.rule import GRID
@@ -79,6 +79,8 @@ def _arrays(path: Path, cell: "gdstk.Cell", layer: int) -> Iterator[ApertureArra
         inner = list(_arrays(path, reference.cell, layer))
         if inner:
             outer = _placement(reference.repetition, x, y)
+            if outer.count > FEW:
+                refuse_many(path, cell.name, outer.count)
             for array in inner:
                 yield from _repeat(array, outer)
 

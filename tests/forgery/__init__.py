@@ -1,0 +1,7 @@
+"""Forged exports, every hash computed anew: `python -m tests.forgery --help`."""
+
+import sys
+from pathlib import Path
+
+# What the tests share is found alike by `pytest` and by `python -m`.
+sys.path.append(str(Path(__file__).parents[1]))

@@ -1,0 +1,29 @@
+"""`python -m tests.kill`: four hundred kills of five commands; it ends at the first fault."""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+from .attack import COMMANDS, attack
+
+
+def main() -> int:
+    """Kill, and print a line a command."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=80, help="kills a command")
+    parser.add_argument("--seconds", type=float, default=1e9, help="at most, a command")
+    parser.add_argument("--seed", type=int, default=4)
+    parser.add_argument("--only", default="", help="names of commands, separated by commas")
+    given = parser.parse_args()
+    for command in COMMANDS:
+        if given.only and command not in given.only.split(","):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            sent, hits = attack(Path(folder), command, given.count, given.seed, given.seconds)
+        print(f"{command:<8} {sent:>4} kills, {hits:>4} before its end, none mixed", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

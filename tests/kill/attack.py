@@ -1,0 +1,240 @@
+"""Kills at random moments of run, design, sweep, correct and fit.
+
+Each leaves the old export or the new one, whole; what it kept of its work reads back; and the same
+command given again ends with the same bytes. Each command runs in a fork of a warm process, so that
+a kill costs seconds. Before it there is an export of other content under the same name.
+"""
+
+import os
+import random
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from command import SMALL_STACK, content
+
+from mpfcad.cli import run_app
+from mpfcad.export import check_manifest
+from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
+from mpfcad.pipeline.fit import tracer
+from mpfcad.store import Store
+
+RUN = 'name = "a"\nseed = {seed}\n[map]\ncurvature_per_mm = 60.0\n' + SMALL_STACK
+SWEEP = """name = "a"
+seed = {seed}
+[axis]
+"map.curvature_per_mm" = [50.0, 60.0]
+[trace]
+half_width = 0.0
+paths_million = 0.02
+"""
+DESIGN = """schema = 1
+name = "a"
+seed = {seed}
+[goal]
+contrast_target = 0.000001
+[constraint]
+curvature_min_per_mm = 55.0
+curvature_max_per_mm = 62.0
+harmonics = 2
+[search]
+iterations = 1
+paths_million = 0.02
+[stack]
+thickness_mm = 18.0
+[mask]
+period_um = 640.0
+"""
+FIT = """name = "a"
+seed = {seed}
+values = ["reflector_reflectance"]
+[stack]
+preset = "thesis-32in-mpf"
+[stack.override]
+reflector_reflectance = { value = 0.9, sigma = 0.05 }
+[case.mpf]
+curvature_per_mm = 60.0
+[case.bef]
+[[measurement]]
+case = "mpf"
+over = "bef"
+of = "luminance"
+value = 0.94
+sigma = 0.004
+"""
+COMMANDS = {
+    "run": (RUN, ["run", "job.toml", "--effort", "quick", "--threads", "1"]),
+    "sweep": (SWEEP, ["sweep", "job.toml", "--workers", "1"]),
+    "design": (DESIGN, ["design", "job.toml", "--no-verify", "--threads", "1"]),
+    "correct": (RUN, ["correct", "export", "--measured", "m.csv", "--threads", "1"]),
+    "fit": (FIT, ["fit", "job.toml", "--effort", "quick", "--threads", "1"]),
+}
+#: At most this long after the start [s]; a kill is at a random share of what the command takes.
+LONGEST = 600.0
+
+
+@contextmanager
+def quick(cache: Path) -> Iterator[None]:
+    """Trace as little as can be, and keep work in a folder of this test."""
+    with (
+        mock.patch.dict(os.environ, MPFCAD_CACHE=str(cache)),
+        mock.patch.dict(TRACE_SETTINGS, quick=TraceSetting(1.0, 20_000)),
+        mock.patch.dict(tracer.ROUND_PATHS, quick=0.5),
+    ):
+        yield
+
+
+def warm(folder: Path) -> None:
+    """Load libraries and kernels, which all forks then have."""
+    (folder / "warm.toml").write_text(RUN.format(seed=3))
+    job = [str(folder / "warm.toml"), "--out", str(folder / "warm")]
+    assert run_app(["run", *job, "--effort", "quick", "--threads", "1"]) in (0, 1)
+
+
+def started(arguments, out):
+    """Return the process that runs a command in a fork of this one."""
+    child = os.fork()
+    if child:
+        return child
+    code = 70
+    try:
+        null = os.open(os.devnull, os.O_RDWR)
+        for descriptor in (0, 1, 2):
+            os.dup2(null, descriptor)
+        from mpfcad.cli import main
+
+        sys.argv = ["mpfcad", *arguments, "--out", str(out)]
+        main()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+    finally:
+        os._exit(code)
+
+
+def ended(child, seconds, number):
+    """Send a signal after so long; return the status of the process, and whether it was hit."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return status, False
+        time.sleep(0.005)
+    os.kill(child, number)
+    return os.waitpid(child, 0)[1], True
+
+
+def forgotten(cache):
+    """Remove the kept work, but for compiled kernels."""
+    for path in cache.iterdir():
+        if path.name != "kernel":
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def measured(folder):
+    x = np.arange(0.0, 4.0, 0.02)
+    rows = np.stack([x, 6000 * (1 + 0.01 * np.cos(2 * np.pi * x / 4))], 1)
+    np.savetxt(folder / "m.csv", rows, "%.4f", ",", header="position_mm,luminance", comments="")
+
+
+@dataclass
+class Killed:
+    """A command with two contents of its export: what stood there, and what is on its way."""
+
+    folder: Path
+    arguments: list[str]
+    versions: list[dict[str, bytes]]
+    seconds: float
+
+    @property
+    def out(self) -> Path:
+        """Where its export is."""
+        return self.folder / "exports" / "a"
+
+    @property
+    def cache(self) -> Path:
+        """Where its work is kept."""
+        return self.folder / "cache"
+
+
+def prepare(folder: Path, command: str) -> Killed:
+    """Run a command twice, with another seed or place of the lamps each time."""
+    text, arguments = COMMANDS[command]
+    arguments = [str(folder / a) if a in ("job.toml", "export", "m.csv") else a for a in arguments]
+    killed, job = Killed(folder, arguments, [], 0.0), folder / "job.toml"
+    job.write_text(RUN.format(seed=1))
+    if command == "correct":
+        measured(folder)
+        assert not finished(["run", str(job), "--effort", "quick"], folder / "export")
+    for number in (1, 2):
+        job.write_text(text.replace("{seed}", str(number)))
+        place = ["--lamp-at-mm", str(number)] if command == "correct" else []
+        killed.arguments = [*arguments, *place]
+        start = time.monotonic()
+        assert finished(killed.arguments, killed.out) in (0, 1), command
+        killed.seconds = time.monotonic() - start
+        killed.versions.append(content(killed.out))
+        check_manifest(killed.out)
+        forgotten(killed.cache)
+    assert killed.versions[0] != killed.versions[1]
+    return killed
+
+
+def finished(arguments, out):
+    """Return the exit code of a command that is not killed."""
+    status, hit = ended(started(arguments, out), LONGEST, signal.SIGKILL)
+    assert not hit
+    return os.waitstatus_to_exitcode(status)
+
+
+def refused_work(cache: Path) -> list[str]:
+    """Return the entries of kept work that do not read back."""
+    store, notes = Store(cache), []
+    store._note = notes.append
+    for path in sorted(cache.rglob("*.kept")):
+        key = path.read_bytes().partition(b'"key": "')[2][:64].decode("ascii", "replace")
+        if store.read(path.parent.name, key, lambda data: data) is None:
+            notes.append(f"{path}: key {key}")
+    return notes
+
+
+def kill_once(killed: Killed, rng: random.Random, sent: int) -> bool:
+    """Kill the command at a random moment; return whether the kill hit. All is whole after it."""
+    # Content 1 stands there, and 2 is on its way, from nothing but compiled kernels.
+    forgotten(killed.cache)
+    out = killed.out
+    shutil.rmtree(out)
+    out.mkdir()
+    for name, data in killed.versions[0].items():
+        (out / name).write_bytes(data)
+    status, hit = ended(started(killed.arguments, out), rng.random() * killed.seconds, sent)
+    assert content(out) in killed.versions, killed.arguments
+    left = [path for path in out.parent.iterdir() if path != out]
+    assert all(path.name.startswith(".a.") for path in left), left
+    if sent == signal.SIGINT:
+        assert not left or os.waitstatus_to_exitcode(status) == -signal.SIGINT, left
+    assert not refused_work(killed.cache)
+    # The same command again: it takes what was kept, and clears away what was left.
+    assert finished(killed.arguments, out) in (0, 1)
+    assert content(out) == killed.versions[1]
+    assert [path.name for path in out.parent.iterdir()] == ["a"]
+    return hit
+
+
+def attack(folder: Path, command: str, kills: int, seed: int, seconds: float = 1e9) -> list[int]:
+    """Return how many kills were sent and how many hit; two thirds SIGKILL, a third SIGINT."""
+    end, rng = time.monotonic() + seconds, random.Random(f"kill {command} {seed}")
+    with quick(folder / "cache"):
+        warm(folder)
+        killed = prepare(folder, command)
+        sent, hits = 0, 0
+        while sent < kills and time.monotonic() < end:
+            hits += kill_once(killed, rng, signal.SIGKILL if sent % 3 else signal.SIGINT)
+            sent += 1
+    return [sent, hits]
