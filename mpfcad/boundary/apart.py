@@ -1,6 +1,7 @@
 """Calls in a process of their own: a file that makes a library in C++ crash takes only that along.
 
-What the libraries print there is dropped; what goes wrong is one line that names the file.
+What the libraries print there is dropped; what goes wrong is one line that names the file. A call
+that does not end is stopped, where the system counts a process's time: not on Windows.
 """
 
 import os
@@ -10,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeVar
 
 from mpfcad.boundary.file import guarded
@@ -17,6 +19,9 @@ from mpfcad.errors import InputError, MpfcadError
 
 Value = TypeVar("Value")
 _CHILD = "from mpfcad.boundary.apart import serve; serve()"
+#: Time of a processor that a call may take, and more of it for what it reads [s, s a megabyte]: ten
+#: times what checking a film of a lamp pitch takes.
+_PATIENCE, _PATIENCE_MB = 30.0, 60.0
 _told: Callable[[str], None] | None = None
 
 
@@ -36,8 +41,9 @@ def apart(
     Raises
     ------
     InputError
-        or `kind`, when the process ends without an answer: beginning with `where`.
+        or `kind`, when the process ends without an answer, or not at all: beginning with `where`.
     """
+    patience = _patience(arguments)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     child = subprocess.Popen(
         [sys.executable, "-c", _CHILD], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -47,7 +53,7 @@ def apart(
     try:
         assert child.stdin is not None and child.stdout is not None
         with suppress(BrokenPipeError), child.stdin as call:
-            pickle.dump((str(where), expected, function, arguments, kind), call)
+            pickle.dump((str(where), expected, function, arguments, kind, patience), call)
         while True:
             try:
                 word, value = pickle.load(child.stdout)
@@ -63,7 +69,28 @@ def apart(
     finally:
         child.kill()
         child.wait()
-    raise kind(f"{where}: its reader crashed{last} ({_end(child.returncode)}): expected {expected}")
+    end = _end(child.returncode)
+    trouble = f"crashed{last} ({end})"
+    if end == "SIGXCPU":
+        trouble = f"did not end within {patience} s of a processor{last}"
+    raise kind(f"{where}: its reader {trouble}: expected {expected}")
+
+
+def _patience(arguments: tuple[Any, ...]) -> int:
+    """Return how long a call may take, by the size of the files and folders that it is given."""
+    size = 0
+    for path in (entry for entry in arguments if isinstance(entry, Path)):
+        files = path.iterdir() if path.is_dir() else (path,)
+        size += sum(file.stat().st_size for file in files if file.is_file())
+    return round(_PATIENCE + _PATIENCE_MB * size / 1e6)
+
+
+def _limit_time(seconds: int) -> None:
+    with suppress(ImportError, ValueError, OSError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, most))
 
 
 def tell_stage(text: str) -> None:
@@ -79,7 +106,8 @@ def serve() -> None:
     answer = os.fdopen(os.dup(1), "wb")
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)
-    where, expected, function, arguments, kind = pickle.load(sys.stdin.buffer)
+    where, expected, function, arguments, kind, patience = pickle.load(sys.stdin.buffer)
+    _limit_time(patience)
 
     def tell(word: str, value: object) -> None:
         answer.write(pickle.dumps((word, value)))

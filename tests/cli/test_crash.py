@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 
 import pytest
 from command import mpfcad
@@ -22,6 +23,12 @@ def crash(number):
     os.kill(os.getpid(), number)
 
 
+def spin(path):
+    tell_stage("reading film.step")
+    while True:
+        pass
+
+
 def refuse(path):
     raise InputError(f"{path}: row 3: expected numbers")
 
@@ -39,6 +46,18 @@ def test_a_crash_is_one_line_that_says_what_was_read():
     with pytest.raises(ExportError, match=r"a: its reader crashed while reading film\.step \(SIG"):
         apart("a", "an export", crash, signal.SIGSEGV, kind=ExportError, stage=told.append)
     assert told == ["reading film.step"]
+
+
+def test_a_call_without_end_is_stopped(monkeypatch, tmp_path):
+    if os.name == "nt":  # where no process's time is counted
+        return
+    module = sys.modules["mpfcad.boundary.apart"]
+    (tmp_path / "a").write_bytes(bytes(100_000))
+    monkeypatch.setattr(module, "_PATIENCE", 1.0)
+    monkeypatch.setattr(module, "_PATIENCE_MB", 10.0)
+    says = r"a: its reader did not end within 2 s of a processor while reading film\.step: expect"
+    with pytest.raises(InputError, match=says):
+        apart("a", "a solid", spin, tmp_path / "a")
 
 
 def test_an_error_is_the_same_error():

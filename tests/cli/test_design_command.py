@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -188,9 +189,14 @@ def test_workers_change_nothing_and_a_killed_one_loses_nothing(alone):
 
 
 @pytest.mark.slow
-def test_a_scheduler_changes_nothing_and_its_killed_worker_loses_nothing(alone):
+@pytest.mark.parametrize("end", ["SIGKILL", "SIGSTOP"])
+def test_a_scheduler_changes_nothing_and_a_worker_that_vanishes_or_hangs_loses_nothing(
+    alone, monkeypatch, end
+):
     folder, expected = alone
-    contact = folder / "scheduler.json"
+    # How long a worker may be silent before its work is given to another.
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL", "20 s")
+    contact = folder / f"scheduler-{end}.json"
     where = ("--scheduler-file", str(contact), "--no-dashboard")
     started = [start_dask(folder, "scheduler", "--host", "127.0.0.1", "--port", "0", *where)]
     worker = ("worker", "--nthreads", "1", "--no-nanny", *where)
@@ -200,15 +206,15 @@ def test_a_scheduler_changes_nothing_and_its_killed_worker_loses_nothing(alone):
             assert started[0].poll() is None
             time.sleep(0.05)
         address = json.loads(contact.read_text())["address"]
-        process = start_sweep(folder, "cluster", "--scheduler", address)
+        process = start_sweep(folder, end, "--scheduler", address)
         assert process.poll() is None
-        started[1].kill()
+        started[1].send_signal(signal.Signals[end])
         assert process.wait(timeout=300) == 0, process.stderr.read()
     finally:
         for one in started:
             one.kill()
             one.wait()
-    assert content(folder / "cluster") == expected
+    assert content(folder / end) == expected
 
 
 def start_dask(folder, *arguments):

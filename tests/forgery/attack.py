@@ -34,7 +34,7 @@ from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
 from mpfcad.pipeline.run import examine, file_check, verify
 from mpfcad.store import value_hash
 
-from .edit import MAP, PAGE, PICTURES, RECORD, WAYS, Files, digest, edit_manifest, restated
+from .edit import MAP, PAGE, PICTURES, RECORD, SOLIDS, WAYS, Files, digest, edit_manifest, restated
 
 JOB = 'name = "forged"\n[map]\ncurvature_per_mm = 60.0\n' + SMALL_STACK
 
@@ -59,13 +59,9 @@ def make_export(folder: Path) -> Path:
     return folder / "e"
 
 
-def _content(folder: Path) -> tuple[tuple[str, str], ...]:
-    """Return the hashes of the files that the record is made of."""
-    return tuple(
-        (path.name, hashlib.sha256(path.read_bytes()).hexdigest())
-        for path in sorted(folder.iterdir())
-        if path.is_file() and path.name not in (RECORD, PAGE, MANIFEST, f"{MANIFEST}.sig")
-    )
+def _content(folder: Path) -> tuple[bytes, ...]:
+    """Return the hashes of the masks and the CAD files."""
+    return tuple(digest((folder / name).read_bytes()) for name in SOLIDS)
 
 
 def forked(function, *arguments):

@@ -10,9 +10,9 @@ class Reader:
     """A reader: the suffix of its files, what it does with one, and files to begin from.
 
     `native` says that a library in C++ reads, which a file may make crash: such a reader runs in a
-    process of its own; `apart` that the program reads it so as well, so that a crash is a refusal.
-    `costly` readers take longer than some milliseconds a file. `named` is the name that a refusal
-    has to say, where it is not the file's.
+    process of its own; `apart` that the program reads it so as well, so that a crash, or no end, is
+    a refusal. `costly` readers take longer than some milliseconds a file. `named` is the name that
+    a refusal has to say, where it is not the file's.
     """
 
     name: str

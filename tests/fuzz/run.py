@@ -109,7 +109,7 @@ def _apart(work: "Work", count: int, end: float) -> "Work":
             trouble = f"crash: exit code {child.exitcode}"
     child.join()
     data = work.path.read_bytes() if work.path.exists() else b""
-    if work.reader.apart and trouble.startswith("crash"):
+    if work.reader.apart:  # the program stops it as well
         work.tally.crashed += 1
     else:
         work.tally.faults.append((trouble, data))

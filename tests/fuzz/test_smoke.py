@@ -1,5 +1,8 @@
 """A short run of mutated files through every reader; `python -m tests.fuzz` is the long one."""
 
+import time
+from pathlib import Path
+
 import pytest
 
 from mpfcad.errors import InputError
@@ -8,6 +11,8 @@ from .reader import readers
 from .run import fuzz
 
 READERS = readers()
+#: Files that the long run found, and that are mended: by the name of their reader.
+CORPUS = Path(__file__).parent / "corpus"
 
 
 @pytest.mark.parametrize("reader", READERS, ids=[reader.name for reader in READERS])
@@ -43,3 +48,32 @@ def test_the_run_finds_a_reader_that_fails(tmp_path):
 
     tally = fuzz(replace(READERS[0], read=careless), 100, 1, tmp_path, 5.0)
     assert any("IndexError" in text or "UnicodeDecodeError" in text for text, _ in tally.faults)
+
+
+def _rays_with(at, value):
+    """Return a TM-25 file with another whole number in its header."""
+    from .instrument import _rays
+
+    data = bytearray(_rays(".tm25ray"))
+    data[at : at + 4] = value.to_bytes(4, "little", signed=True)
+    return bytes(data)
+
+
+FOUND = {path.name: path.read_bytes() for path in sorted(CORPUS.iterdir())} | {
+    "rays.tm25ray-spectra.tm25ray": _rays_with(76, 2**31 - 1),
+    "rays.tm25ray-spectrum.tm25ray": _rays_with(76, -1),
+    "rays.tm25ray-text.tm25ray": _rays_with(84, -(2**31)),
+    "rays.tm25ray-length.tm25ray": _rays_with(76, 1)[:36288] + (-(2**31)).to_bytes(
+        4, "little", signed=True) + _rays_with(76, 1)[36288:],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_a_file_that_the_long_run_found_is_refused_at_once(name, tmp_path):
+    (reader,) = (one for one in READERS if one.name == name.partition("-")[0])
+    path = tmp_path / f"in{reader.suffix}"
+    path.write_bytes(FOUND[name])
+    start = time.process_time()
+    with pytest.raises(InputError, match=path.name):
+        reader.read(path)
+    assert time.process_time() - start < 5.0

@@ -24,6 +24,8 @@ FORMULAS = ("cosine", "batwing")
 FILES = (".csv", ".ies", ".ldt")
 #: Azimuths of a measured table: every 5°.
 _AZIMUTHS = 72
+#: Least step between a file's polar angles [deg].
+_LEAST_STEP = 0.01
 #: Largest share of the flux that may go below the board, and be left out.
 _MOST_BELOW = 0.02
 #: Most by which our integral may differ from the flux that a file states.
@@ -107,8 +109,9 @@ def _read_photometry(where: str, path: Path, suffix: str) -> tuple[NDArray, NDAr
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            file = reader.read(path)
-            full = file.photometry.expanded()
+            table = reader.read(path).photometry
+            _refuse_angles(table.thetas)
+            full = table.expanded()
         polar, azimuth = np.asarray(full.thetas, float), np.asarray(full.phis, float)
         value = np.asarray(full.values, float)
     except Exception as error:
@@ -121,6 +124,21 @@ def _read_photometry(where: str, path: Path, suffix: str) -> tuple[NDArray, NDAr
             f"{where}: table {value.shape}: expected {len(azimuth)} planes of {len(polar)} angles"
         )
     return polar, azimuth, value
+
+
+def _refuse_angles(polar: NDArray) -> None:
+    """Refuse angles that photompy would go on from without end: the last step, repeated to 180°.
+
+    Raises
+    ------
+    ValueError
+        naming two angles.
+    """
+    step = np.diff(np.asarray(polar, float))
+    bad = np.flatnonzero(~(step >= _LEAST_STEP))
+    if bad.size:
+        a, b = polar[bad[0]], polar[bad[0] + 1]
+        raise ValueError(f"angles {a:g}, {b:g}°: expected steps of {_LEAST_STEP:g}° or more")
 
 
 def _resampled(where: str, polar: NDArray, azimuth: NDArray, value: NDArray) -> NDArray[np.float64]:

@@ -85,9 +85,18 @@ def _tm25(where: str, data: bytes) -> NDArray[np.float64]:
     counts = np.array(_TM25_COLUMNS) * flags
     columns = int(counts.sum()) + extra
     before = _TM25_FIXED + text
+    if min(spectra, extra, text) < 0 or before + 4 * spectra > len(data):
+        raise InputError(
+            f"{where}: {len(data)} bytes with {spectra} spectra, {extra} more columns and {text} "
+            "bytes of text: expected numbers of 0 or more that fit the file"
+        )
     for _ in range(spectra):
-        number = np.frombuffer(data.ljust(before + 4, b"\0"), "<i4", 1, before - text)[0]
-        before += 4 + 8 * int(number)
+        number = int.from_bytes(data[before - text : before - text + 4], "little", signed=True)
+        before += 4 + 8 * number
+        if number < 0 or before > len(data):
+            raise InputError(
+                f"{where}: a spectrum of {number} values: expected one within the file"
+            )
     start = len(data) - 4 * rays * columns
     if rays <= 0 or start < _TM25_FIXED or start > before + 2048 * extra + _SLACK:
         raise InputError(

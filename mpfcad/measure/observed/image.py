@@ -140,6 +140,14 @@ def _refuse_clipped(name: str, counts: NDArray[np.float64], top: float | None) -
         )
 
 
+def _is_stack(file: Any) -> bool:
+    """Tell whether a TIFF has a second page of the first one's size; a thumbnail has another."""
+    try:
+        return bool(file.pages[1].shape == file.pages.first.shape)
+    except IndexError:
+        return False
+
+
 def _read_counts(path: Path) -> tuple[NDArray[np.float64], float | None]:
     """Return an image's counts, and the count of a saturated pixel where its type has one."""
     if not path.is_file():
@@ -149,7 +157,11 @@ def _read_counts(path: Path) -> tuple[NDArray[np.float64], float | None]:
         if kind in (".tif", ".tiff"):
             import tifffile
 
-            array: Any = tifffile.imread(path)
+            with tifffile.TiffFile(path) as file:
+                # Asked for one by one: a chain of pages may have no end.
+                if _is_stack(file):
+                    raise InputError(f"{path}: pages of one size: expected one image")
+                array: Any = file.pages.first.asarray()
         elif kind in (".fits", ".fit", ".fts"):
             from astropy.io import fits
 
