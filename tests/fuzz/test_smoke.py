@@ -59,7 +59,9 @@ def _rays_with(at, value):
     return bytes(data)
 
 
+LINE = b"9" * 30_000 + b"x\n"
 FOUND = {path.name: path.read_bytes() for path in sorted(CORPUS.iterdir())} | {
+    "curve-digits.csv": LINE * 3,
     "rays.tm25ray-spectra.tm25ray": _rays_with(76, 2**31 - 1),
     "rays.tm25ray-spectrum.tm25ray": _rays_with(76, -1),
     "rays.tm25ray-text.tm25ray": _rays_with(84, -(2**31)),

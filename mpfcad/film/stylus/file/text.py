@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 
 _DELIMITERS = {";": "';'", "\t": "tab", "|": "'|'", ",": "','", None: "space"}
-_PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?\Z")
-_COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eEdD][-+]?\d+)?\Z")
+# `++` never goes back: a line of ten thousand digits would be tried at each of them.
+_PLAIN = re.compile(r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eEdD][-+]?\d++)?\Z")
+_COMMA = re.compile(r"[-+]?(?:\d++,?\d*+|,\d++)(?:[eEdD][-+]?\d++)?\Z")
 _NUMBERED = re.compile(r"[-+]?\d")
 _MISSING = frozenset({"nan", "-nan", "nan(ind)", "bad", "***", "---", "--", "n/a", "na", "inf"})
 #: Rows of one kind that begin a block of numbers.
@@ -245,6 +246,12 @@ def _column_names(header: list[str], dialect: _Dialect, width: int) -> list[str]
     ] * width
 
 
+def _are_halves(fields: list[str]) -> bool:
+    """Return whether fields may be numbers before and behind decimal commas: digits alone."""
+    wholes = [field.strip().lstrip("+-") for field in fields[::2]]
+    return len(fields) % 2 == 0 and all(map(str.isdecimal, [*wholes, *fields[1::2]]))
+
+
 def _rejoin_decimals(path: Path, table: NumberTable) -> NumberTable:
     """Return a table whose commas were decimal marks *and* delimiters with its halves rejoined.
 
@@ -254,8 +261,12 @@ def _rejoin_decimals(path: Path, table: NumberTable) -> NumberTable:
     whole = bool(np.all(np.isnan(values) | (values == np.round(values))))
     if values.shape[1] % 2 or not whole or any(table.names):
         return table
-    text = table.header[-1] if table.header else ""
-    count = len([name for name in text.split(",") if name.strip()])
+    text = decode(path)[0].splitlines()
+    fields = [text[number - 1].strip().rstrip(",").split(",") for number in table.lines]
+    if not all(_are_halves(row) for row in fields):
+        return table
+    header = table.header[-1] if table.header else ""
+    count = len([name for name in header.split(",") if name.strip()])
     if 2 * count != values.shape[1]:
         if len(values) < 2 * _ROWS:
             return table
@@ -264,12 +275,8 @@ def _rejoin_decimals(path: Path, table: NumberTable) -> NumberTable:
             f"{values.shape[1]} columns, or as {values.shape[1] // 2} with decimal commas: "
             "expected a header with one name a column, or ';' between columns"
         )
-    lines, _ = decode(path)
-    rows = []
-    for number in table.lines:
-        parts = lines.splitlines()[number - 1].strip().rstrip(",").split(",")
-        rows.append([float(f"{a}.{b}") for a, b in zip(parts[::2], parts[1::2], strict=True)])
-    names = [name.strip() for name in text.split(",") if name.strip()]
+    rows = [[float(f"{a}.{b}") for a, b in zip(row[::2], row[1::2], strict=True)] for row in fields]
+    names = [name.strip() for name in header.split(",") if name.strip()]
     return NumberTable(
         table.header, names, np.array(rows), table.lines, ["','", "decimal comma"]
     )  # fmt: skip

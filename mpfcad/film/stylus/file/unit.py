@@ -45,7 +45,7 @@ _NO_UNIT = re.compile(
     r"primary|signal|dir\w*|length|dist\w*|points?|surface|topo\w*|lateral|axis|col\w*|default|[xyz]",
     re.IGNORECASE,
 )
-NUMBER = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d++[.,]?\d*+|[.,]\d++)(?:[eE][-+]?\d++)?"
 
 
 def find_unit(text: str) -> str | None:
