@@ -38,7 +38,7 @@ def main() -> int:
     print(
         f"{outcome.unsigned} forgeries, {sum(outcome.found.values())} found without a key, "
         f"{faults} passed that must not, {outcome.by_signature} found by the signature; "
-        f"blocks traced anew {outcome.traced} times, files read anew {outcome.read} times"
+        f"examined anew {outcome.examined} times, traced anew {outcome.traced} times"
     )
     return int(faults > 0 or outcome.by_signature < outcome.unsigned)
 

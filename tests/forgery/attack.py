@@ -1,12 +1,11 @@
 """Forges an export and has `verify_export` look at it, whole, in its own order.
 
-Three steps of `verify` that cost seconds are taken from a memo that is keyed by all that they read:
-blocks of the trace (scene, source, seed, which blocks), the check of masks and CAD files (their
-bytes, the plan), the pages (record, files). A forgery that changes what one of them reads has it
-done again.
+Two steps of `verify` that cost seconds are taken from a memo that is keyed by all that they read:
+`examine` (plan, setting, the bytes of masks and CAD files), and the pages (the same, the record). A
+forgery that changes what one of them reads has it done again; of the trace then those blocks whose
+scene, source or seed is another one.
 """
 
-import hashlib
 import json
 import os
 import pickle
@@ -48,7 +47,7 @@ class Outcome:
     passed: list[tuple[str, list[str], Files]] = field(default_factory=list)
     by_signature: int = 0
     traced: int = 0
-    read: int = 0
+    examined: int = 0
 
 
 def make_export(folder: Path) -> Path:
@@ -97,7 +96,7 @@ def forked(function, *arguments):
 @contextmanager
 def memoised(outcome: Outcome, most: int = 40) -> Iterator[None]:
     """Take what is done again with the same input from a memo."""
-    kept: dict[str, dict] = {"trace": {}, "read": {}, "pages": {}}
+    kept: dict[str, dict] = {"trace": {}, "examine": {}, "pages": {}}
 
     def take(kind, key, make):
         known = kept[kind]
@@ -115,21 +114,26 @@ def memoised(outcome: Outcome, most: int = 40) -> Iterator[None]:
         return take("trace", value_hash([scene, source, blocks, seed, first]), make)
 
     def examine_foreign(folder, plan, mask, progress):
-        def make():
-            outcome.read += 1
-            return pickle.dumps(forked(file_check._examine, folder, plan, mask))
+        return forked(file_check._examine, folder, plan, mask)
 
-        key = (_content(folder), hashlib.sha256(pickle.dumps((plan, mask))).hexdigest())
-        return pickle.loads(take("read", key, make))
+    def examine_all(folder, plan, masks, setting, *rest, **options):
+        def make():
+            outcome.examined += 1
+            return own_examine(folder, plan, masks, setting, *rest, **options)
+
+        key = (_content(folder), digest(pickle.dumps((plan, masks, setting))))
+        return take("examine", key, make)
 
     def find_again(folder, plan, stored, threads, progress):
         record, draw = own_find_again(folder, plan, stored, threads, progress)
         key = (_content(folder), json.dumps(stored))
         return record, lambda given: take("pages", (*key, json.dumps(given)), lambda: draw(given))
 
-    own_trace, own_find_again = engine.trace, verify._find_again
+    own_trace, own_examine = engine.trace, examine.examine
+    own_find_again = verify._find_again
     with (
         mock.patch.object(engine, "trace", trace),
+        mock.patch.object(examine, "examine", examine_all),
         mock.patch.object(examine, "examine_foreign", examine_foreign),
         mock.patch.object(verify, "_find_again", find_again),
     ):
@@ -203,7 +207,7 @@ def attack(folder: Path, times: int, seed: int, seconds: float = 1e9) -> Outcome
         original: Files = {
             path.name: path.read_bytes() for path in folder.iterdir() if path.name not in sealed
         }
-        outcome.traced = outcome.read = 0
+        outcome.traced = outcome.examined = 0
         for _ in range(times):
             if time.monotonic() > end:
                 break
