@@ -12,7 +12,7 @@ from mpfcad.export.text import canonical_json, encoded
 from mpfcad.pipeline import verify_export
 
 from .attack import Outcome, attack, make_export, memoised, wrong
-from .edit import MAP, PAGE, RECORD
+from .edit import MAP, PAGE, RECORD, restated
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,8 @@ def test_a_wrong_pass_is_seen(export):
     assert wrong(original, "a", [PAGE], {**original, PAGE: b""}) == "a: the page"
     assert wrong(original, "a", [MAP], {**original, MAP: b""}) == "a: curvature.csv"
     assert wrong(original, "a", ["b"], {**original, "b": b""}) == "a: files"
-    assert wrong(original, "a", ["film.step"], {**original, "film.step": b""}) is None
+    solid = restated(original, {**original, "film.step": b"solid"})
+    assert wrong(original, "a", ["film.step"], solid) is None
 
 
 def _twice(files):
@@ -79,7 +80,7 @@ def _more(files):
 
 
 def _less(files):
-    del files["mask.png"]
+    del files[PAGE]
 
 
 @pytest.mark.parametrize(
@@ -89,7 +90,7 @@ def _less(files):
         (_position, "curvature.csv: differs from what its own curvatures"),
         (_ratio, "curvature.csv: differs from what its own curvatures"),
         (_more, "release.html: is no file of this export"),
-        (_less, r"mask.png: missing, and not in manifest.json"),
+        (_less, r"report.html: missing, and not in manifest.json"),
     ],
 )
 def test_what_no_figure_tells_is_found(export, memo, tmp_path, edit, says):
