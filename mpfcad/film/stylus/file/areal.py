@@ -56,8 +56,14 @@ def cut_profile(path: Path, area: ArealMap) -> tuple[NDArray[np.float64], NDArra
         return np.arange(len(line), dtype=np.float64) * step, line, "map of one line"
     steps: NDArray[np.float64] = np.array([area.step_x, area.step_y]) * stride
     filled = np.where(np.isfinite(z), z, np.nanmean(z))
-    slope_y, slope_x = np.gradient(filled, steps[1], steps[0])
-    xx, yy, xy = (float(np.mean(p)) for p in (slope_x**2, slope_y**2, slope_x * slope_y))
+    with np.errstate(all="ignore"):
+        slope_y, slope_x = np.gradient(filled, steps[1], steps[0])
+        xx, yy, xy = (float(np.mean(p)) for p in (slope_x**2, slope_y**2, slope_x * slope_y))
+    if not np.isfinite([xx, yy, xy]).all():
+        raise InputError(
+            f"{path}: heights up to {np.abs(filled).max():.3g} at steps of {area.step_x:.3g} and "
+            f"{area.step_y:.3g}: expected those of a surface"
+        )
     spread = np.hypot(xx - yy, 2 * xy)
     if xx + yy == 0 or (1 + spread / (xx + yy)) / 2 < _ONE_WAY:
         raise InputError(
