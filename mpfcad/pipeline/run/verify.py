@@ -209,8 +209,8 @@ def _compare_pages(folder: Path, pages: dict[str, bytes]) -> None:
     for name, content in pages.items():
         if (folder / name).read_bytes() != content:
             raise ExportError(
-                f"{folder / name}: every figure came out the same, but it differs from what the "
-                "record and the files give, though its hash is that of the manifest"
+                f"{folder / name}: differs from what the record and the files give, though every "
+                "figure came out the same and its hash is that of the manifest"
             )
 
 
