@@ -1,9 +1,12 @@
 """`python -m tests.kill`: four hundred kills of five commands; it ends at the first fault."""
 
 import argparse
+import os
 import sys
 import tempfile
 from pathlib import Path
+
+from mpfcad.store import kernel_hash
 
 from .attack import COMMANDS, attack
 
@@ -16,6 +19,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=4)
     parser.add_argument("--only", default="", help="names of commands, separated by commas")
     given = parser.parse_args()
+    # Compiled once for all commands, whose kept work begins from nothing.
+    kernels = Path(tempfile.gettempdir()) / f"mpfcad-kernels-{kernel_hash()[:16]}"
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(kernels))
     for command in COMMANDS:
         if given.only and command not in given.only.split(","):
             continue

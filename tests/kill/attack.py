@@ -5,6 +5,7 @@ command given again ends with the same bytes. Each command runs in a fork of a w
 a kill costs seconds. Before it there is an export of other content under the same name.
 """
 
+import io
 import os
 import random
 import shutil
@@ -12,7 +13,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from unittest import mock
@@ -95,7 +96,8 @@ def warm(folder: Path) -> None:
     """Load libraries and kernels, which all forks then have."""
     (folder / "warm.toml").write_text(RUN.format(seed=3))
     job = [str(folder / "warm.toml"), "--out", str(folder / "warm")]
-    assert run_app(["run", *job, "--effort", "quick", "--threads", "1"]) in (0, 1)
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        assert run_app(["run", *job, "--effort", "quick", "--threads", "1"]) in (0, 1)
 
 
 def started(arguments, out):
