@@ -195,6 +195,6 @@ def test_a_library_of_pieces_has_base_and_primer(tmp_path):
     path.write_text(text + "resin_index = 1.5\n")
     with pytest.raises(InputError, match="a film of instances: expected upright, clear and smooth"):
         lower_stack(read_stack(path), library)
-    path.write_text(text.replace("125", "155"))
-    with pytest.raises(InputError, match="155 µm thick together"):
+    path.write_text(text.replace("125", "157"))
+    with pytest.raises(InputError, match="157 µm thick together"):
         lower_stack(read_stack(path), library)
