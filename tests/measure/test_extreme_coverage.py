@@ -45,7 +45,7 @@ CASES = {
     "C below 80": (film(ulp(80.0, 0.0)), 20.0),
     "ideal C 0": (film(0.0, "ideal"), 20.0),
     "ideal C 40": (film(40.0, "ideal"), 20.0),
-    "one groove": (film(1.5, "filled", 4.0, 1), 20.0),
+    "one groove": (film(0.75, "filled", 4.0, 1), 20.0),
     "thickness at the tops": (film(60.0), ulp(TOP, 1.0)),
     "thin": (film(60.0), TOP + 1e-3),
 }
