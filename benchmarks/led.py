@@ -2,10 +2,11 @@
 
     python benchmarks/led.py [--paths N] [--million N]
 
-Mitsuba and numpy have to be installed beside mpfcad. The films are those of masks/mini-led-4mm.toml
-at 2° a facet: ours are traced from their 3MF files, Mitsuba's are the windows of the same libraries
-as closed meshes. One LED stands between mirrors half a pitch beside it, which is a lattice without
-end. The LED is flat and Lambertian, the reflector mirrors part of the light, the plate is clear.
+Mitsuba comes from the extra `benchmark`, and needs LLVM 16 or newer (DRJIT_LIBLLVM_PATH names it).
+The films are those of masks/mini-led-4mm.toml at 2° a facet: ours are traced from their 3MF files,
+Mitsuba's are windows of the same libraries as closed meshes. One LED stands between mirrors half a
+pitch beside it, which is a lattice without end. The LED is flat and Lambertian, the reflector
+mirrors part of the light, the plate is clear.
 """
 
 import argparse
