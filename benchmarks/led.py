@@ -10,7 +10,6 @@ mirrors part of the light, the plate is clear.
 """
 
 import argparse
-import dataclasses
 import tempfile
 from pathlib import Path
 
@@ -18,7 +17,6 @@ import numpy as np
 from tracer.led_scene import PLACES, SPOT, mitsuba_led
 from tracer.race import spent
 
-from mpfcad.backlight import read_stack
 from mpfcad.cad.file.library_window import check_window, write_window
 from mpfcad.job import read_job
 from mpfcad.measure import TraceRun, light_film, luminance_over_cell
@@ -27,16 +25,23 @@ from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import write_cad
 
+#: A quarter of the job's backlight, under the same films: Mitsuba moves each ray on by 9e-5 of the
+#: largest coordinate, which must be small beside a facet.
+OVERRIDE = {
+    "led_pitch_across_mm": 1.0, "led_pitch_along_mm": 1.0, "led_width_mm": 0.1,
+    "led_length_mm": 0.1, "led_height_mm": 0.0, "thickness_mm": 0.4, "plate_thickness_mm": 0.15,
+}  # fmt: skip
 JOB = Path(__file__).parent.parent / "masks" / "mini-led-4mm.toml"
 
 
 def films(folder: Path):
     """Write both films of the job and return the plan and a window of 2 × 2 cells of each."""
     job = read_job(JOB)
-    job = job.model_copy(update={"cad": job.cad.model_copy(update={"angle_tolerance_deg": 2.0})})
-    plan = read_plan(job, JOB)
-    flat = read_stack("mini-led-4mm", overrides={"led_height_mm": 0.0})
-    plan = dataclasses.replace(plan, stack=flat)
+    update = {
+        "cad": job.cad.model_copy(update={"angle_tolerance_deg": 2.0}),
+        "stack": job.stack.model_copy(update={"override": OVERRIDE}),
+    }
+    plan = read_plan(job.model_copy(update=update), JOB)
     write_cad(plan, folder, ("3mf",), SILENT)
     windows = []
     for film in plan.films:
@@ -55,7 +60,7 @@ def ours(plan, folder: Path, paths: int):
     middle = (np.arange(bins) + 0.5) / bins * size - size / 2
     rows = []
     for place in PLACES:
-        near = [np.abs(middle - at * size) < SPOT / 2 for at in place]
+        near = [np.abs(middle - at * size) < SPOT * size / 2 for at in place]
         part = np.ix_(*near)
         value, error = found.luminance[part], found.standard_error[part]
         rows.append((value.mean(), np.sqrt((error**2).sum()) / value.size))

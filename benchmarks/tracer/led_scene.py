@@ -11,9 +11,9 @@ from tracer.mitsuba_scene import (
     mitsuba,
 )
 
-#: Places in pitches from the LED, and the side [mm] of the square over which the mean is taken.
+#: Places from the LED and side of the square over which the mean is taken, in pitches.
 PLACES = ((0.0, 0.0), (0.25, 0.0), (0.0, 0.25), (0.25, 0.25), (0.375, 0.125), (-0.25, 0.375))
-SPOT = 0.5
+SPOT = 0.125
 
 
 def mitsuba_led(elements, windows):
@@ -65,7 +65,7 @@ def mitsuba_led(elements, windows):
         return _tracer(
             mi, scene,
             lambda s: mi.Point3f(
-                x + (s.x - 0.5) * SPOT * mm, y + (s.y - 0.5) * SPOT * mm, z + 10
+                x + (s.x - 0.5) * SPOT * pitch * mm, y + (s.y - 0.5) * SPOT * pitch * mm, z + 10
             ),
             lambda v: mi.Vector3f(0, 0, -1),
         )  # fmt: skip
