@@ -9,6 +9,7 @@ from numba import njit, uint64
 from mpfcad.optics import sheet
 from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.bsdf.passage import bsdf_passage
+from mpfcad.optics.caught import NO_NET
 from mpfcad.optics.element import BSDF, SHEET, SLAB, TABLE
 from mpfcad.optics.engine import trace_paths
 from mpfcad.optics.film.passage import INDEX, INDEX_BELOW, film_passage, placed_film_passage
@@ -225,6 +226,7 @@ def single_paths(scene, source, seed, first, out, flow):
     wave = Wave.empty(len(scene.kind))
     trace_paths(
         scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
+        NO_NET,
     )  # fmt: skip
 
 
@@ -257,9 +259,7 @@ def pass_layers(scene, enter_below, seed, out):
                 )
                 weight *= kept
             elif scene.kind[e] == SHEET:
-                passed, dx, dy, dz = sheet.sheet_passage(
-                    p[sheet.SIGMA], p[sheet.INDEX], dx, dy, dz, rng
-                )
+                passed, dx, dy, dz = sheet.sheet_passage(p, dx, dy, dz, rng)
                 weight *= p[sheet.TRANSMISSION]
                 way = 1 if passed == up else -1
             elif scene.kind[e] == BSDF:

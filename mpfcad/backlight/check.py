@@ -5,6 +5,9 @@ from mpfcad.backlight.source import LedSpec
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 
+#: What one value of a sheet needs beside it.
+_NEEDS = {"axis_deg": "sigma_across", "wide_sigma": "wide_share", "wide_share": "wide_sigma"}
+
 
 def check_layers(where: str, stack: Stack) -> None:
     """Raise unless the job's film has one place, and a bonded film lies on a plate.
@@ -24,10 +27,21 @@ def check_layers(where: str, stack: Stack) -> None:
             "films have a kind and a file"
         )
     _check_film_layers(where, stack)
+    _check_lobes(where, stack)
     if "bonded_film" in layers:
         at = layers.index("bonded_film")
         if at == 0 or stack.kind_of(layers[at - 1]) != "plate":
             raise InputError(f"{where}: layers: bonded_film: expected a plate directly below it")
+
+
+def _check_lobes(where: str, stack: Stack) -> None:
+    """Raise unless an axis has two widths, and a wide lobe both its width and its share."""
+    for name, layer in stack.own.items():
+        for value, needs in _NEEDS.items() if layer.kind == "sheet" else ():
+            if f"{name}.{value}" in stack.quantity and f"{name}.{needs}" not in stack.quantity:
+                raise InputError(
+                    f"{where}: layers: {name}: {needs}: missing: expected with {value}"
+                )
 
 
 def _check_film_layers(where: str, stack: Stack) -> None:

@@ -1,6 +1,6 @@
 """Numbers of a stack that follow from others: defaults, and what particles scatter."""
 
-from mpfcad.backlight.layer import OWN_VALUES
+from mpfcad.backlight.layer import LEFT_OUT, OWN_VALUES
 from mpfcad.backlight.particle import MEDIUM, PARTICLE, build_particles
 from mpfcad.backlight.quantity import Quantity, Tag
 from mpfcad.backlight.stack import Stack
@@ -23,7 +23,7 @@ def derive(where: str, stack: Stack) -> Stack:
     for name, layer in stack.own.items():
         for value, (_, _, default) in OWN_VALUES[layer.kind].items():
             key = f"{name}.{value}"
-            if key not in quantity:
+            if key not in quantity and default != LEFT_OUT:
                 quantity[key] = _default(where, key, default, quantity)
     for key, (_, default) in stack.spec.optional.items():
         if key not in quantity:

@@ -16,6 +16,8 @@ LAYERS = {
     "top_sheet": "top diffuser sheet",
 }
 _INDEX, _ANGLE, _ABSORPTION, _SLOPE = (1.0, 4.0), (-360.0, 360.0), (0.0, 100.0), (0.0, 1.0)
+#: Stands for a value that may be left out, and then is none.
+LEFT_OUT = "left out"
 #: Values of a layer's own by its kind: lowest, highest, and the stack's value or the number that
 #: stands for it where it is left out (None: must be given).
 OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
@@ -45,6 +47,10 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "sigma": (0.0, 10.0, None),
         "index": (*_INDEX, "sheet_index"),
         "transmission": (0.0, 1.0, "sheet_transmission"),
+        "sigma_across": (0.0, 10.0, LEFT_OUT),
+        "axis_deg": (*_ANGLE, LEFT_OUT),
+        "wide_sigma": (0.0, 10.0, LEFT_OUT),
+        "wide_share": (0.0, 1.0, LEFT_OUT),
     },
     "bsdf": {},
 }

@@ -87,7 +87,14 @@ def _own_layer(stack: Stack, name: str) -> Element:
         )
         return Slab(value("index"), value("thickness_mm"), *volume, bonded, words)
     if layer.kind == "sheet":
-        return Sheet(value("sigma"), value("index"), value("transmission"), words)
+        axis, wide, share = (
+            stack.get(f"{name}.{key}") for key in ("axis_deg", "wide_sigma", "wide_share")
+        )
+        across = value("sigma_across") if f"{name}.sigma_across" in stack.quantity else None
+        return Sheet(
+            value("sigma"), value("index"), value("transmission"), words, across, axis * deg,
+            wide, share,
+        )  # fmt: skip
     mesh: FilmMesh | Library | CellTops
     if layer.kind == "bef":
         mesh = _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base")))

@@ -17,7 +17,7 @@ from mpfcad.cli.narrow import Context
 PLACES = {
     "make": ("run", "mask", "cad", "mould", "design", "sweep", "init"),
     "measure": (
-        "trace", "measure", "compare", "bsdf", "calibrate", "judge", "correct", "fit",
+        "trace", "measure", "compare", "rays", "bsdf", "calibrate", "judge", "correct", "fit",
         "stacks",
     ),
     "check": ("verify", "view", "cache", "doctor", "sign"),
@@ -44,6 +44,7 @@ GROUPS = {
         "trace": "mpfcad trace film.stl --stack thesis-32in-mpf --thickness-mm 16",
         "measure": "mpfcad measure exports/patterned-16mm --what angular,flux",
         "compare": "mpfcad compare exports/patterned-16mm thesis-32in-conventional",
+        "rays": "mpfcad rays exports/patterned-16mm --out screen.tm25ray",
         "bsdf": "mpfcad bsdf film.stl --format klems --page",
     },
     "Check and show": {

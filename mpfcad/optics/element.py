@@ -1,5 +1,6 @@
 """The elements that a scene is built of, and their kinds."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,27 +110,47 @@ class Slab(Mirrored):
 
 @dataclass(frozen=True)
 class Sheet(Mirrored):
-    """A thin scatterer: moves the direction cosines (kx, ky) by a Gaussian.
+    """A thin scatterer: moves the direction cosines (kx, ky) by a Gaussian, or by one of two.
 
     Attributes
     ----------
     sigma
-        standard deviation of the move in each of kx, ky
+        standard deviation of the move along the axis, and across it unless `sigma_across` is given
     index
         refractive index of the two surfaces that accept a direction or reflect it
     transmission
         share of the light that survives a passage
+    sigma_across
+        standard deviation of the move across the axis
+    axis
+        angle [rad] of the axis from x, anticlockwise as seen from above
+    wide_sigma, wide_share
+        of a second lobe, in each of kx, ky; the share 0…1 of all moves that it has
     """
 
     sigma: float
     index: float
     transmission: float
     name: str = "sheet"
+    sigma_across: float | None = None
+    axis: float = 0.0
+    wide_sigma: float = 0.0
+    wide_share: float = 0.0
 
     def __post_init__(self) -> None:
+        across = self.sigma if self.sigma_across is None else self.sigma_across
         refuse_unsound(f"{self.name}.sigma", self.sigma, 0.0)
+        refuse_unsound(f"{self.name}.sigma_across", across, 0.0)
+        refuse_unsound(f"{self.name}.axis", self.axis)
+        refuse_unsound(f"{self.name}.wide_sigma", self.wide_sigma, 0.0)
+        refuse_unsound(f"{self.name}.wide_share", self.wide_share, 0.0, 1.0)
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.transmission", self.transmission, 0.0, 1.0)
+
+    def is_mirrored(self, period: float) -> bool:
+        """Tell whether the lobe is round or lies along x or y."""
+        is_round = self.sigma_across is None or self.sigma_across == self.sigma
+        return is_round or abs(math.sin(2.0 * self.axis)) < 1e-12
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP,
 from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.base.sampling import start_net_path
 from mpfcad.optics.base.thread import add_in_order
+from mpfcad.optics.caught import NO_NET, catch
 from mpfcad.optics.cavity.endless import NO_LAMP
 from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.cavity.queue import pass_cavity_queue
@@ -182,13 +183,14 @@ def go_on(scene, e, slot, wave, flow):
 
 
 @entry
-def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
+def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, net):
     """Follow paths `first` and on, and put what each collects into radiance (n,).
 
     Paths go round the points. flow (f,) gets the sums of where the weights went; `wave` is scratch.
-    A scene without elements has no paths.
+    `net` gets the rays that come up to its gate; returned is how many came. A scene without
+    elements has no paths.
     """
-    started = 0
+    started, caught = 0, 0
     freed = wave.freed
     free = min(len(freed), len(radiance))
     for slot in range(free):
@@ -200,15 +202,19 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow):
         free = 0
         e, waiting = longest_queue(wave)
         if waiting == 0:
-            return
+            return caught
         rays = wave.batch[:waiting]
         for i in range(waiting):
             rays[i] = wave.queue[e, i]
         wave.length[e] = 0
         pass_queue(scene, e, rays, wave, flow)
+        is_under_gate = e + 1 == net.gate
         for i in range(waiting):
             slot = uint64(rays[i])
-            if go_on(scene, e, slot, wave, flow):
+            goes_on = go_on(scene, e, slot, wave, flow)
+            if is_under_gate:
+                caught = catch(net, scene.wall, wave, slot, caught)
+            if goes_on:
                 continue
             radiance[wave.path[slot]] = wave.radiance[slot]
             freed[free] = slot
@@ -219,7 +225,7 @@ def compile_tracer() -> None:
     """Compile `trace_paths`, once for all scenes, if it is not there yet."""
     scene, source = build_scene([Sheet(0.0, 1.5, 1.0)]), Source(EYE, [0.0], 0.0)
     zero, flow = np.uint64(0), np.zeros(len(FLOWS) + 1)
-    trace_paths(scene, source, zero, zero, zero, Wave.empty(1), np.empty(0), flow)
+    trace_paths(scene, source, zero, zero, zero, Wave.empty(1), np.empty(0), flow, NO_NET)
 
 
 def trace(
@@ -250,7 +256,7 @@ def trace(
         flow = np.zeros(flows)
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),
-            np.uint64(block * radiance.size), wave, radiance.reshape(-1), flow,
+            np.uint64(block * radiance.size), wave, radiance.reshape(-1), flow, NO_NET,
         )  # fmt: skip
         score = radiance.sum(axis=0)
         score2 = np.square(radiance, out=radiance).sum(axis=0)

@@ -145,10 +145,18 @@ def _slab_columns(plate: Slab, shared: Shared) -> Mapping[int, float]:
 
 
 def _sheet_columns(thin: Sheet, shared: Shared) -> Mapping[int, float]:
+    across = thin.sigma if thin.sigma_across is None else thin.sigma_across
+    # A round lobe has no axis.
+    cosine, sine = (1.0, 0.0) if across == thin.sigma else quadrant(thin.axis)
     return {
         sheet.SIGMA: thin.sigma,
         sheet.INDEX: thin.index,
         sheet.TRANSMISSION: thin.transmission,
+        sheet.ACROSS: across,
+        sheet.COSINE: cosine,
+        sheet.SINE: sine,
+        sheet.WIDE: thin.wide_sigma,
+        sheet.SHARE: thin.wide_share,
     }
 
 

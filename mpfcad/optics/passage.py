@@ -8,7 +8,7 @@ from mpfcad.optics.element import BSDF, CAVITY, CELL_FILM, LIBRARY_FILM, SHEET, 
 from mpfcad.optics.film.passage import placed_film_passage
 from mpfcad.optics.library.cell_passage import placed_cell_passage
 from mpfcad.optics.library.passage import placed_library_passage
-from mpfcad.optics.sheet import INDEX, SIGMA, TRANSMISSION, sheet_passage
+from mpfcad.optics.sheet import TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
 
 
@@ -35,9 +35,8 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
         )
         weight *= survival
     elif kind == SHEET:
-        sigma, index, transmission = parameter[SIGMA], parameter[INDEX], parameter[TRANSMISSION]
-        passed, dx, dy, dz = sheet_passage(sigma, index, dx, dy, dz, rng)
-        weight *= transmission
+        passed, dx, dy, dz = sheet_passage(parameter, dx, dy, dz, rng)
+        weight *= parameter[TRANSMISSION]
         way = 1 if passed == up else -1
     elif kind == BSDF:
         table = int(parameter[TABLE])

@@ -1,4 +1,8 @@
-"""A thin diffuser sheet: a Gaussian move of the direction cosines, accepted reciprocally."""
+"""A thin diffuser sheet: a Gaussian move of the direction cosines, accepted reciprocally.
+
+The move (kx, ky) → (kx, ky) + (mx, my) has a density that is even in the move: one Gaussian, round
+or of two widths about an axis, or that and a wider round one with a share of the light.
+"""
 
 import math
 
@@ -6,8 +10,9 @@ from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.sampling import gaussian_pair, uniform
 
-#: The columns of a sheet in `Scene.parameter`.
-SIGMA, INDEX, TRANSMISSION = range(3)
+#: The columns of a sheet in `Scene.parameter`: standard deviations along and across its axis, the
+#: axis, and the wide lobe with its share of the moves.
+SIGMA, INDEX, TRANSMISSION, ACROSS, COSINE, SINE, WIDE, SHARE = range(8)
 
 
 @kernel
@@ -23,21 +28,59 @@ def sheet_transmittance(cos_in, cos_out, index):
 
 
 @kernel
-def sheet_passage(sigma, index, dx, dy, dz, rng):
+def sheet_move(parameter, rng):
+    """Return a move (mx, my) of the direction cosines, drawn from `move_density`."""
+    along, across = parameter[SIGMA], parameter[ACROSS]
+    if parameter[SHARE] > 0.0 and uniform(rng) < parameter[SHARE]:
+        along, across = parameter[WIDE], parameter[WIDE]
+    u, v = gaussian_pair(rng)
+    u, v = along * u, across * v
+    if parameter[SINE] == 0.0:
+        return u, v
+    cosine, sine = parameter[COSINE], parameter[SINE]
+    return cosine * u - sine * v, sine * u + cosine * v
+
+
+@kernel
+def _gaussian(u, v, along, across):
+    """Return the density of a normal (u, v) with standard deviations along and across."""
+    if along == across:
+        move = (u * u + v * v) / (2.0 * along * along)
+        return math.exp(-move) / (2.0 * math.pi * along * along)
+    u, v = u / along, v / across
+    return math.exp(-0.5 * (u * u + v * v)) / (2.0 * math.pi * along * across)
+
+
+@kernel
+def move_density(parameter, mx, my):
+    """Return the density of moves, one of projected solid angle; no standard deviation may be 0."""
+    cosine, sine = parameter[COSINE], parameter[SINE]
+    u, v = mx, my
+    if sine != 0.0:
+        u, v = cosine * mx + sine * my, cosine * my - sine * mx
+    density = _gaussian(u, v, parameter[SIGMA], parameter[ACROSS])
+    share = parameter[SHARE]
+    if share > 0.0:
+        wide = _gaussian(u, v, parameter[WIDE], parameter[WIDE])
+        density = (1.0 - share) * density + share * wide
+    return density
+
+
+@kernel
+def sheet_passage(parameter, dx, dy, dz, rng):
     """Scatter a ray at a thin sheet: (passed, dx, dy, dz).
 
-    (kx, ky) moves by a Gaussian of standard deviation `sigma` each: a kernel symmetric in the two
-    directions in projected solid angle. A direction outside the unit disk, or not accepted by
-    `sheet_transmittance`, is reflected as by a mirror.
+    (kx, ky) moves by `sheet_move`: a kernel symmetric in the two directions in projected solid
+    angle. A direction outside the unit disk, or not accepted by `sheet_transmittance`, is reflected
+    as by a mirror.
     """
-    move_x, move_y = gaussian_pair(rng)
-    kx = dx + sigma * move_x
-    ky = dy + sigma * move_y
+    move_x, move_y = sheet_move(parameter, rng)
+    kx, ky = dx + move_x, dy + move_y
     rest = 1.0 - kx * kx - ky * ky
     accept = uniform(rng)
     if rest <= 0.0:
         return False, dx, dy, -dz
     kz = math.sqrt(rest)
-    if accept >= sheet_transmittance(abs(dz), kz, index):
+    if accept >= sheet_transmittance(abs(dz), kz, parameter[INDEX]):
         return False, dx, dy, -dz
     return True, kx, ky, math.copysign(kz, dz)

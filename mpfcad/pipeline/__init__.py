@@ -14,6 +14,7 @@ from mpfcad.pipeline.measure.compare import compare_cases
 from mpfcad.pipeline.measure.figures import WHAT, Measuring
 from mpfcad.pipeline.measure.led_case import read_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
+from mpfcad.pipeline.measure.rays import write_rays
 from mpfcad.pipeline.plan.need import available_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.plan.restored import restore_plan
@@ -80,4 +81,5 @@ __all__ = [
     "trace_mesh",
     "verify_export",
     "with_covariance",
+    "write_rays",
 ]

@@ -90,10 +90,17 @@ class ReferenceTracer:
 
     @staticmethod
     def _sheet(sheet, up, place, d, weight, rng):
+        # Of a covariance matrix's two axes, drawn one by one; the wide lobe is round.
+        widths = [sheet.sigma, sheet.sigma if sheet.sigma_across is None else sheet.sigma_across]
+        if sheet.wide_share and rng() < sheet.wide_share:
+            widths = [sheet.wide_sigma] * 2
         radius = math.sqrt(-2 * math.log(1 - rng()))
         angle = 2 * math.pi * rng()
-        kx = d[0] + sheet.sigma * radius * math.cos(angle)
-        ky = d[1] + sheet.sigma * radius * math.sin(angle)
+        u, v = widths[0] * radius * math.cos(angle), widths[1] * radius * math.sin(angle)
+        turned = complex(math.cos(sheet.axis), math.sin(sheet.axis)) * complex(u, v)
+        if sheet.sigma_across in (None, sheet.sigma):
+            turned = complex(u, v)
+        kx, ky = d[0] + turned.real, d[1] + turned.imag
         accept = rng()
         weight *= sheet.transmission
         if kx * kx + ky * ky < 1:

@@ -134,6 +134,12 @@ class LedBoard:
         return float(self.count * self.stack["led_flux_lm"] * self.placed[:, 2].mean())
 
     @property
+    def lit_size(self) -> Period:
+        """Size [mm] of the panel's whole cells."""
+        (width, length), (across, along) = self.cell, self.cells
+        return Period(across * width, along * length)
+
+    @property
     def lit_area(self) -> float:
         """Area [m²] of the panel's whole cells."""
         (width, length), (across, along) = self.cell, self.cells

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight.source.lattice import folder_text
-from mpfcad.backlight.source.ray_file import SUFFIXES, read_ray_file
+from mpfcad.backlight.source.ray_file import read_ray_file
+from mpfcad.backlight.source.ray_layout import SUFFIXES
 from mpfcad.boundary import guarded
 from mpfcad.errors import InputError
 

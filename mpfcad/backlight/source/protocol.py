@@ -90,6 +90,10 @@ class LightSource(Protocol):
         """Flux [lm] of all emitters on the panel."""
 
     @property
+    def lit_size(self) -> Period:
+        """Size [mm] of what they light, about the panel's middle."""
+
+    @property
     def lit_area(self) -> float:
         """Area [m²] that they light."""
 

@@ -1,31 +1,25 @@
-"""Ray files of LEDs: TM-25, Zemax .DAT and LightTools .ray, as intensity over direction.
-
-Layouts: IES TM-25-13; OpticStudio's and LightTools' manuals. All are little-endian. Only the
-directions are used: where on the LED a ray starts is left to the emitting top.
-"""
+"""Ray files read, as rays and as intensity over direction: TM-25, Zemax .DAT, LightTools .ray."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight.source.ray_layout import (
+    DAT,
+    DAT_KINDS,
+    RAY,
+    RAY_END,
+    RAY_MAGIC,
+    TM25,
+    TM25_MAGIC,
+)
 from mpfcad.errors import InputError
 
-SUFFIXES = (".tm25ray", ".tm25", ".dat", ".ray")
-_TM25_FIXED = 36288
 #: Columns of each of TM-25's flags: place, direction, W, wavelength, lm, Stokes, XYZ, spectrum.
 _TM25_COLUMNS = (3, 3, 1, 1, 1, 3, 2, 1)
 #: What may lie before TM-25's rays besides what the header tells of, for vendors differ [B].
 _SLACK = 4096
-_DAT = np.dtype([
-    ("kind", "<i4"), ("rays", "<u4"), ("text", "S100"), ("flux", "<f4", 3), ("angle", "<f4", 4),
-    ("unit", "<u4"), ("pose", "<f4", 9), ("unused", "<f4", 4), ("form", "<i4"), ("type", "<i4"),
-    ("rest", "<i4", 2),
-])  # fmt: skip
-_RAY = np.dtype([
-    ("magic", "S4"), ("version", "<u4", 2), ("data", "<u4"), ("far", "<u4"), ("colour", "<u4"),
-    ("unit", "<u4"), ("origin", "<f4", 3), ("flux", "<f4"),
-])  # fmt: skip
 #: Bins over 0 … 90°, and round where there are so many rays.
 _POLAR, _AZIMUTHS, _MANY = 36, 24, 100_000
 
@@ -33,30 +27,53 @@ _POLAR, _AZIMUTHS, _MANY = 36, 24, 100_000
 def read_ray_file(where: str, path: Path) -> tuple[NDArray, NDArray, NDArray]:
     """Return (polar, azimuth [deg], (azimuth, polar) intensity) of a ray file.
 
+    Only the directions are used: where on the LED a ray starts is left to the emitting top.
+
     Raises
     ------
     InputError
         when count and size disagree, or what it holds are no rays.
     """
+    ray = read_rays(where, path)
+    return _intensity(where, ray[:, 3:6], ray[:, 6])
+
+
+def read_rays(where: str, path: Path) -> NDArray[np.float64]:
+    """Return a file's rays, (n, 7): place in the file's unit, direction, flux (lm, else W).
+
+    Raises
+    ------
+    InputError
+        when count and size disagree, or it is no ray file of a known form.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{where}: {error.strerror}: expected a ray file there") from None
-    if data[:4] == b"TM25":
-        ray = _tm25(where, data)
-    elif data[:4] == b"LTRF":
-        ray = _table(where, data, _RAY.itemsize, 8 if _head(data, _RAY)["colour"] else 7, None)
-    elif len(data) >= _DAT.itemsize and int(_head(data, _DAT)["kind"]) in (1010, 8675309):
-        head = _head(data, _DAT)
-        columns = 8 if head["form"] == 2 else 7
-        ray = _table(where, data, _DAT.itemsize, columns, int(head["rays"]))
-    else:
-        raise InputError(f"{where}: expected a TM-25, Zemax .DAT or LightTools .ray file")
-    return _intensity(where, ray[:, 3:6], ray[:, 6])
+    if data[:4] == TM25_MAGIC:
+        return _tm25(where, data)
+    if data[:4] == RAY_MAGIC:
+        return _light_tools(where, data)
+    if len(data) >= DAT.itemsize and int(_head(data, DAT)["kind"]) in DAT_KINDS:
+        head = _head(data, DAT)
+        return _table(where, data, DAT.itemsize, 8 if head["form"] == 2 else 7, int(head["rays"]))
+    raise InputError(f"{where}: expected a TM-25, Zemax .DAT or LightTools .ray file")
 
 
 def _head(data: bytes, layout: np.dtype) -> np.void:
     return np.frombuffer(data.ljust(layout.itemsize, b"\0"), layout, 1)[0]
+
+
+def _light_tools(where: str, data: bytes) -> NDArray[np.float64]:
+    """Return the rays of LightTools' form, up to its end mark where it has one."""
+    head = _head(data, RAY)
+    if head["version"][0] > 2 or head["far"] or head["colour"] not in (0, 2):
+        raise InputError(
+            f"{where}: LightTools .ray of version {head['version'][0]}, far field {head['far']}, "
+            f"colour {head['colour']}: expected version 2, places, and flux alone or wavelengths"
+        )
+    columns = 8 if head["colour"] else 7
+    return _table(where, data.removesuffix(RAY_END), RAY.itemsize, columns, None)
 
 
 def _table(
@@ -75,16 +92,16 @@ def _table(
 
 def _tm25(where: str, data: bytes) -> NDArray[np.float64]:
     """Return the rays of TM-25, flux in column 6: lm where there is, else W."""
-    if len(data) < _TM25_FIXED:
-        raise InputError(f"{where}: {len(data)} bytes: expected at least {_TM25_FIXED} of TM-25")
-    rays = int(np.frombuffer(data, "<u8", 1, 20)[0])
-    spectra, extra, text = (int(v) for v in np.frombuffer(data, "<i4", 3, 76))
-    flags = np.frombuffer(data, "<i4", 8, 256) != 0
+    if len(data) < TM25.itemsize:
+        raise InputError(f"{where}: {len(data)} bytes: expected at least {TM25.itemsize} of TM-25")
+    head = _head(data, TM25)
+    rays, extra, flags = int(head["rays"]), int(head["extra"]), head["has"] != 0
     if not flags[:2].all() or not (flags[2] or flags[4]):
         raise InputError(f"{where}: expected rays with place, direction and a flux")
     counts = np.array(_TM25_COLUMNS) * flags
     columns = int(counts.sum()) + extra
-    before = _TM25_FIXED + text
+    spectra, text = int(head["spectra"]), int(head["text"])
+    before = TM25.itemsize + text
     if min(spectra, extra, text) < 0 or before + 4 * spectra > len(data):
         raise InputError(
             f"{where}: {len(data)} bytes with {spectra} spectra, {extra} more columns and {text} "
@@ -98,7 +115,7 @@ def _tm25(where: str, data: bytes) -> NDArray[np.float64]:
                 f"{where}: a spectrum of {number} values: expected one within the file"
             )
     start = len(data) - 4 * rays * columns
-    if rays <= 0 or start < _TM25_FIXED or start > before + 2048 * extra + _SLACK:
+    if rays <= 0 or start < TM25.itemsize or start > before + 2048 * extra + _SLACK:
         raise InputError(
             f"{where}: {len(data)} bytes with {rays} rays of {columns} numbers: count and size "
             f"disagree: expected about {before + 4 * rays * columns} bytes"

@@ -160,10 +160,16 @@ class TubeRow:
         return float(tubes * math.pi * self.stack["lamp_luminance_cd_m2"] * surface)
 
     @property
-    def lit_area(self) -> float:
-        """The area [m²] that the lamps light: a pitch for each, or the finite panel's."""
+    def lit_size(self) -> Period:
+        """What the lamps light [mm]: a pitch for each, or the finite panel."""
         width = self.stack["panel_width_mm"] if self.is_finite else self.count * self.pitch
-        return width * self.stack["panel_length_mm"] * 1e-6
+        return Period(width, self.stack["panel_length_mm"])
+
+    @property
+    def lit_area(self) -> float:
+        """The area [m²] that the lamps light."""
+        width, length = self.lit_size
+        return width * length * 1e-6
 
     def check(self, where: str) -> None:
         """Raise unless the lamps fit under the plate, beside each other and on the panel.

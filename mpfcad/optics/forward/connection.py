@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.sampling import disk
-from mpfcad.optics.sheet import INDEX, SIGMA, TRANSMISSION, sheet_transmittance
+from mpfcad.optics.sheet import INDEX, TRANSMISSION, move_density, sheet_transmittance
 
 #: Harmonics of the cell's period along each axis that are scored.
 HARMONICS = 6
@@ -53,9 +53,7 @@ def turned_into(parameter, acceptance, dx, dy, dz, rng):
     px, py = disk(rng)
     kx, ky = acceptance * px, acceptance * py
     kz = math.sqrt(1.0 - kx * kx - ky * ky)
-    sigma = parameter[SIGMA]
-    move = ((kx - dx) ** 2 + (ky - dy) ** 2) / (2.0 * sigma * sigma)
-    density = math.exp(-move) / (2.0 * math.pi * sigma * sigma)
+    density = move_density(parameter, kx - dx, ky - dy)
     passed = sheet_transmittance(abs(dz), kz, parameter[INDEX])
     return density * passed * parameter[TRANSMISSION]
 

@@ -18,7 +18,7 @@ from mpfcad.optics.element import SHEET
 from mpfcad.optics.engine import go_on, pass_queue
 from mpfcad.optics.forward.connection import TERMS, CellMeter, score_at, turned_into
 from mpfcad.optics.scene import Scene
-from mpfcad.optics.sheet import SIGMA
+from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one block: whole nets.
@@ -69,9 +69,11 @@ class CellTally(NamedTuple):
 
 def can_connect(scene: Scene) -> bool:
     """Return whether the topmost element is a sheet that scatters, over a board of LEDs."""
-    last = len(scene.kind) - 1
-    scatters = scene.kind[last] == SHEET and scene.parameter[last, SIGMA] > 0.0
-    return bool(scatters and len(scene.led) > 0)
+    if scene.kind[-1] != SHEET or len(scene.led) == 0:
+        return False
+    sheet = scene.parameter[-1]
+    widths = [sheet[SIGMA], sheet[ACROSS], *([sheet[WIDE]] if sheet[SHARE] > 0 else [])]
+    return all(width > 0 for width in widths)
 
 
 @kernel

@@ -103,7 +103,8 @@ def _entry(stack: Stack, name: str, crossed: bool) -> str:
         kind, values = "film", {key: stack[f"{name}.{key}"] for key in ("index", "rotation_deg")}
         text = [f'kind = "{kind}"', f'name = "{name}"', f'file = "{CROSSED}"']
     else:
-        values = {key: stack[f"{name}.{key}"] for key in OWN_VALUES[layer.kind]}
+        there = [key for key in OWN_VALUES[layer.kind] if f"{name}.{key}" in stack.quantity]
+        values = {key: stack[f"{name}.{key}"] for key in there}
         text = [f'kind = "{layer.kind}"', f'name = "{name}"']
         text += [f'file = "{Path(layer.file).resolve()}"'] if layer.file else []
         text += ["flipped = true"] if layer.flipped else []

@@ -149,7 +149,14 @@ def _own_note(stack: Stack, layer: str) -> str:
 
     if kind == "sheet":
         share = value("transmission") * 100
-        return f"σ = {value('sigma'):g} of the direction cosines, {share:g} % of the light"
+        width = f"σ = {value('sigma'):g}"
+        if f"{layer}.sigma_across" in stack.quantity:
+            width += f" × {value('sigma_across'):g}"
+        if f"{layer}.axis_deg" in stack.quantity:
+            width += f" at {value('axis_deg'):g}°"
+        if f"{layer}.wide_share" in stack.quantity:
+            width += f" and {value('wide_sigma'):g} ({value('wide_share') * 100:g} %)"
+        return f"{width} of the direction cosines, {share:g} % of the light"
     note = f"n = {value('index'):g}"
     if kind == "plate":
         note += f", {value('thickness_mm'):g} mm"
