@@ -63,8 +63,9 @@ def command(
     with Terminal() as terminal:
         terminal.stage(f"reading {source}")
         case = read_case(source, stack, thickness_mm, offset_mm)
-        place = "film" if at is Place.film else "screen"
-        record = write_rays(case, out, place, rays, seed, threads, terminal)
+        record = write_rays(
+            case, out, "film" if at is Place.film else "screen", rays, seed, threads, terminal
+        )
     if json:
         print_json(record)
         return 0
