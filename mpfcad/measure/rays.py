@@ -163,7 +163,7 @@ class _NetSums:
         """Add the rays of `paths` paths."""
         from mpfcad.optics.base.net import NET
 
-        each = np.bincount(path, weight, minlength=paths)[:paths]
+        each = np.bincount(path, weight, minlength=paths)[:paths].astype(np.float64)
         whole = paths // NET * NET
         self.net.append(each[:whole].reshape(-1, NET).sum(axis=1))
         self.rest = each[whole:]
