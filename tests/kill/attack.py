@@ -140,7 +140,7 @@ def forgotten(cache):
 
 
 def measured(folder):
-    x = np.arange(0.0, 4.0, 0.02)
+    x = np.arange(0.0, 8.0, 0.02)  # a lamp pitch from wherever a lamp is
     rows = np.stack([x, 6000 * (1 + 0.01 * np.cos(2 * np.pi * x / 4))], 1)
     np.savetxt(folder / "m.csv", rows, "%.4f", ",", header="position_mm,luminance", comments="")
 
