@@ -57,7 +57,8 @@ def mitsuba_led(elements, windows):
     world["crossed"] = _mitsuba_mesh(mi, windows[1], crossed.index, turned)
     z = world["crossed"].bbox().max.z + 10
     world["top"] = _plane(mi, z, half, bsdf=sheet(top))
-    _mirrors(mi, world, pitch / 2 * mm, floor / 2, -floor)
+    # From under the reflector to over the top sheet.
+    _mirrors(mi, world, pitch / 2 * mm, (floor + z) / 2, z - floor)
     scene = mi.load_dict(world)
 
     def trace_at(place):
