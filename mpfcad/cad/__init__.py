@@ -14,7 +14,7 @@ from mpfcad.cad.check.agreement import Agreement, check_agreement
 from mpfcad.cad.check.grooves import check_stl
 from mpfcad.cad.check.mesh_check import MeshCheck
 from mpfcad.cad.check.mesh_file_check import BodyCheck, check_3mf, check_ply
-from mpfcad.cad.check.step import StepCheck, check_step
+from mpfcad.cad.check.step.body import StepCheck, check_step
 from mpfcad.cad.file.ply import write_ply
 from mpfcad.cad.file.stl import write_stl
 from mpfcad.cad.file.threemf import write_3mf

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mpfcad.cad import check_agreement
 from mpfcad.cad.check.cell import check_cell_stl
-from mpfcad.cad.check.step import check_film_body
+from mpfcad.cad.check.step.body import check_film_body
 from mpfcad.cad.file.stl import write_mesh
 from mpfcad.cad.shape.cell_mesh import build_cell_mesh
 from mpfcad.cad.step.cell import write_cell_step

@@ -7,7 +7,7 @@ import pytest
 
 from mpfcad.cad.check.field import check_field_stl, curvature_difference
 from mpfcad.cad.check.field_agreement import check_field_agreement
-from mpfcad.cad.check.step import check_film_body
+from mpfcad.cad.check.step.body import check_film_body
 from mpfcad.cad.file.stl import write_mesh
 from mpfcad.cad.shape.field_mesh import build_field_mesh
 from mpfcad.cad.step.field import write_field_step

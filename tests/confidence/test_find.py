@@ -152,7 +152,7 @@ def test_harmonics_follow_full_traces_with_drawn_inputs(made, tmp_path):
     runs.seed = 2
     off = []
     for z in steps:
-        found, spread = runs._trace(z, 48)
+        found, spread = runs.trace(z, 48)
         told = response.start + z @ response.slope + z**2 @ response.bend
         off.append((found - told)[:2] / np.sqrt(np.diag(spread)[:2]))
     # Noise of both traces and what the model leaves out: within twice the noise of one.

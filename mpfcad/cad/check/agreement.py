@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import read_facets
-from mpfcad.cad.check.step_text import StepText, read_step_text
+from mpfcad.cad.check.step.text import StepText, read_step_text
 from mpfcad.gate import Gate
 from mpfcad.units import nm, um
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mpfcad.cad.check.agreement import Agreement, agreement_of, distance_limit, to_walls
 from mpfcad.cad.check.mesh_check import join_corners, read_facets
-from mpfcad.cad.check.step_text import read_step_text
+from mpfcad.cad.check.step.text import read_step_text
 from mpfcad.errors import ExportError
 
 _PATCH = re.compile(

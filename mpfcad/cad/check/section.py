@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.cad.check.mesh_check import MeshCheck, facet_area
-from mpfcad.cad.check.step import StepCheck, check_one_body
+from mpfcad.cad.check.step.body import StepCheck, check_one_body
 from mpfcad.cad.check.surface import (
     Corner,
     FacetError,

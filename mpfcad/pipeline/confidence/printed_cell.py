@@ -92,7 +92,7 @@ class CellRuns(Runs):
             write_cad(plan, folder, ("3mf",), SILENT)
             return light_film(plan.lit_stack(folder), folder / plan.file("film", "3mf"))
 
-    def _trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
+    def trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
         """Return the coefficients of a run over its mean, and their covariance."""
         paths = blocks * _PITCH_BLOCK
         lit = self.light(steps)

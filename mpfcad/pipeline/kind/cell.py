@@ -40,7 +40,7 @@ class Cells(Kind):
             stl.write_mesh(cell_mesh.build_cell_mesh(self.film, self.angle), path, name)
 
     def check_step(self, path: Path) -> StepCheck:
-        from mpfcad.cad.check.step import check_film_body
+        from mpfcad.cad.check.step.body import check_film_body
 
         return check_film_body(path, self.film)
 

@@ -53,7 +53,7 @@ class FieldGrooves(Kind):
         return replace(self.film, curvature=groove.curvature_of_fill(fill))
 
     def check_step(self, path: Path) -> StepCheck:
-        from mpfcad.cad.check.step import check_film_body
+        from mpfcad.cad.check.step.body import check_film_body
 
         return check_film_body(path, self.film)
 

@@ -68,7 +68,7 @@ class PieceGrooves(Kind):
         return self.film.cut((n, min(max(1, round(length / self.film.length)), along)))
 
     def check_step(self, path: Path) -> StepCheck:
-        from mpfcad.cad.check.library_step import check_library_step
+        from mpfcad.cad.check.step.library import check_library_step
 
         return check_library_step(path, self.window)
 

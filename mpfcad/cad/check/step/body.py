@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.cad.check.step_read import read_bodies
-from mpfcad.cad.check.step_text import MILLIMETRE, check_text, read_step_text, read_units
+from mpfcad.cad.check.step.read import read_bodies
+from mpfcad.cad.check.step.text import MILLIMETRE, check_text, read_step_text, read_units
 from mpfcad.cad.step.outline import solid_contact
 from mpfcad.cad.step.solid import Bodies
 from mpfcad.errors import ExportError

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mpfcad.cad.check.step import (
+from mpfcad.cad.check.step.body import (
     EXTENT_LIMIT,
     VOLUME_LIMIT,
     StepCheck,
@@ -12,8 +12,8 @@ from mpfcad.cad.check.step import (
     check_solids,
     enclosed_volume,
 )
-from mpfcad.cad.check.step_read import read_instances
-from mpfcad.cad.check.step_text import MILLIMETRE, read_units
+from mpfcad.cad.check.step.read import read_instances
+from mpfcad.cad.check.step.text import MILLIMETRE, read_units
 from mpfcad.cad.file.library import piece_name
 from mpfcad.cad.step.library import library_places, window_extent
 from mpfcad.errors import ExportError

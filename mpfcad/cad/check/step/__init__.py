@@ -1,0 +1,1 @@
+"""STEP files read back: their bodies, their text, assemblies of a library."""
