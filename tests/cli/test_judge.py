@@ -60,6 +60,34 @@ def test_against_an_export(files, capsys):
     assert (files / "p.html").read_bytes() == first
 
 
+def lamps(folder, pitch):
+    """State the lamp pitch [mm] of the export's job."""
+    path = folder / "export/verification.json"
+    predicted = json.loads(path.read_text())
+    predicted["job"] = {"stack": {"quantity": {"lamp_pitch_mm": {"value": pitch}}}}
+    path.write_text(json.dumps(predicted))
+
+
+@pytest.mark.parametrize("pitch", [14.0, 15.0, 18.0])
+def test_a_prediction_of_other_lamps_is_refused(files, capsys, pitch):
+    """Found, 16 mm; the contrast of another backlight says nothing of this one."""
+    lamps(files, pitch)
+    assert run_app(["judge", "good.csv", "--against", "export", "--page", "p.html"]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and len(printed.err.splitlines()) == 1 and len(printed.err) < 320
+    for words in ("good.csv", "--against export", f"off {pitch:g} mm", "expected lamps of one"):
+        assert words in printed.err
+    assert not (files / "p.html").exists()
+
+
+@pytest.mark.parametrize(("pitch", "said"), [(16.0, False), (15.9, False), (15.5, True)])
+def test_a_lamp_pitch_a_little_off_is_said(files, capsys, pitch, said):
+    lamps(files, pitch)
+    assert run_app(["judge", "good.csv", "--against", "export", "--json"]) == 0
+    notes = json.loads(capsys.readouterr().out).get("notes", [])
+    assert any("lamp pitch" in note and f"{pitch:g} mm" in note for note in notes) == said
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -43,6 +43,7 @@ def refused(tmp_path, x, z, **option):
     return words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("correct", [False, True])
 def test_gain_and_waviness_turn_nothing(tmp_path, correct):
     """By the shape of its valleys alone this trace was called upside down, and read as 66.96."""
@@ -52,18 +53,28 @@ def test_gain_and_waviness_turn_nothing(tmp_path, correct):
     assert found.high - found.low < 8
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_a_blunt_tip_over_bare_walls_is_upside_down_when_it_is(tmp_path, told):
+def test_a_blunt_tip_over_bare_walls_is_upside_down_when_it_is(tmp_path):
     """The ball's arcs over the prism tips, turned over, look like resin of C = 61 /mm."""
-    x, z = traced(74.0, 12.5e-3, gain=-1.0)
-    words = refused(tmp_path, x, z, tip=StylusTip(12.5e-3) if told else None)
-    assert "upside down" in words
-    if told:
-        found = fitted(tmp_path, x, z, tip=StylusTip(12.5e-3), correct=True).curvature
-        assert found.low <= 74.0 <= found.high
+    x, z = traced(74.0, 12.5e-3, 4, gain=-1.0)
+    tip = StylusTip(12.5e-3)
+    assert "z upside down:" in refused(tmp_path, x, z, tip=tip)
+    found = fitted(tmp_path, x, z, tip=tip, correct=True).curvature
+    assert found.low <= 74.0 <= found.high
 
 
-@pytest.mark.parametrize(("curvature", "grooves"), [(8.3, 3), (25.3, 6), (2.5, 8)])
+def test_upside_down_is_not_certain_by_what_a_meniscus_of_another_shape_makes(tmp_path):
+    """Without its tip the same leaves 1 % of the relief tips up: it may be so, too."""
+    x, z = traced(74.0, 12.5e-3, 4, gain=-1.0)
+    found = fitted(tmp_path, x, z)
+    assert found.curvature.low <= 63.0
+    assert found.curvature.high >= 74.0
+    assert any("upside down the trace would fit as well" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "grooves"),
+    [(8.3, 3), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((25.3, 6), (2.5, 8)))],
+)
 def test_covered_grooves_under_a_blunt_tip_are_no_other_unit(tmp_path, curvature, grooves):
     x, z = traced(curvature, 12.5e-3, grooves, angle=90.0)
     tip = StylusTip(12.5e-3, np.radians(90.0))
@@ -72,7 +83,7 @@ def test_covered_grooves_under_a_blunt_tip_are_no_other_unit(tmp_path, curvature
 
 
 def test_heights_a_little_above_bare_are_told_from_a_tenth(tmp_path):
-    x, z = traced(46.0)
+    x, z = traced(46.0, grooves=4, step=1e-3)
     assert "z is 0.1 times its size" in refused(tmp_path, x, z / 10)
 
 
@@ -87,10 +98,14 @@ def shape(name, phase):
         "skew": np.where(turn < 0.3, turn / 0.3, (1 - turn) / 0.7) * 2 - 1,
         "flat bottoms": 2 * np.maximum(np.abs(2 * turn - 1) - 0.4, 0) / 0.6 - 1,
         "shallow prisms": 4 * np.abs(turn - 0.5) - 1,
+        "long trapezoid": np.clip(3 * (4 * np.abs(turn - 0.5) - 1), -1, 1),
     }[name]
 
 
-@pytest.mark.parametrize("name", ["sine", "saw", "trapezoid", "flat bottoms", "shallow prisms"])
+SLOW = [pytest.param(n, marks=pytest.mark.slow) for n in ("saw", "flat bottoms", "shallow prisms")]
+
+
+@pytest.mark.parametrize("name", ["sine", "trapezoid", *SLOW])
 def test_what_repeats_and_is_no_groove_is_refused(tmp_path, name):
     x = np.arange(0.0, 0.21, 1e-3)
     z = 0.010 * shape(name, x / BEF.pitch + 0.2) + 0.01 * x
@@ -99,21 +114,58 @@ def test_what_repeats_and_is_no_groove_is_refused(tmp_path, name):
     assert "relief" in words or "upside down" in words or "of their size" in words
 
 
-@pytest.mark.parametrize("height", [25e-3, 1e-3])
+@pytest.mark.parametrize("name", ["square", "trapezoid", "long trapezoid"])
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
+def test_what_fits_neither_way_is_not_called_upside_down(tmp_path, name, sign):
+    """A square wave was: of its two bad readings one is always less bad than noise allows."""
+    x = np.arange(0.0, 0.21, 1e-3)
+    z = sign * 0.010 * shape(name, x / BEF.pitch + 0.2)
+    z += np.random.default_rng(4).normal(0, 3e-5, len(x))
+    words = refused(tmp_path, x, z)
+    assert "upside down:" not in words
+    assert "shows no grooves" in words
+    assert "tips up, C = " in words
+
+
+def arcs(sag, radius=0.0, grooves=4):
+    """Return a trace of circular menisci through the tips, of a sag [mm], and their mean fill."""
+    x = np.arange(-0.05, (grooves + 0.3) * BEF.pitch + 0.05, FINE)
+    local = (x + 0.013) % BEF.pitch - BEF.half_width
+    size = (BEF.half_width**2 + sag**2) / (2 * sag)
+    bare = BEF.depth - BEF.half_width + np.abs(local)
+    z = np.maximum(bare, BEF.depth - sag + size - np.sqrt(size**2 - local**2))
+    fill = float(np.mean(z - bare)) / (BEF.depth / 2)
+    if radius:
+        z = dilate(z, FINE, StylusTip(radius), periodic=False)
+    kept = slice(1000, -1000, 10)
+    return x[kept], z[kept] + np.random.default_rng(8).normal(0, 3e-5, len(x[kept])), fill
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sag", [9.4e-3, 11.25e-3, 12.5e-3, 14.1e-3])
+def test_a_circular_meniscus_is_a_groove(tmp_path, sag):
+    """It leaves 3 … 5 % of the relief, and was refused from 4 % on, or its fill not held."""
+    x, z, fill = arcs(sag, 2e-3)
+    found = fitted(tmp_path, x, z, tip=StylusTip(2e-3))
+    assert any("are these such grooves?" in note for note in found.notes)
+    assert found.fill_fraction.low <= fill <= found.fill_fraction.high
+
+
+@pytest.mark.parametrize("height", [25e-3, pytest.param(1e-3, marks=pytest.mark.slow)])
 def test_a_single_step_is_refused(tmp_path, height):
     """It was C = 1.58 [0, 10.4] /mm."""
-    x = np.arange(0.0, 0.41, 1e-3)
-    z = np.where(x < 0.2, 0.0, height) + np.random.default_rng(4).normal(0, 3e-5, len(x))
+    x = np.arange(0.0, 0.21, 1e-3)
+    z = np.where(x < 0.1, 0.0, height) + np.random.default_rng(4).normal(0, 3e-5, len(x))
     refused(tmp_path, x, z, tip=StylusTip(0.0))
 
 
 def test_grooves_of_which_half_are_covered_flat_are_refused(tmp_path):
-    x, z = traced(56.0, grooves=12)
-    refused(tmp_path, x, np.where(x < 0.3, z, z[x < 0.3].max()))
+    x, z = traced(56.0, grooves=6, step=1e-3)
+    refused(tmp_path, x, np.where(x < 0.15, z, z[x < 0.15].max()))
 
 
 def test_prisms_without_resin_are_empty_either_way(tmp_path):
-    x, z = traced(80.0)
+    x, z = traced(80.0, grooves=4)
     fit = fitted(tmp_path, x, z, tip=StylusTip(0.0))
     assert fit.fill_fraction.value < 1e-3
     assert any("upside down the trace would fit as well" in note for note in fit.notes)
@@ -132,7 +184,7 @@ def test_two_readings_that_contradict_each_other_are_both_named(tmp_path):
 
 
 def test_a_trace_steeper_than_its_cone_is_said(tmp_path):
-    x, z = traced(60.0, 5e-3, angle=90.0, gain=1.03)
+    x, z = traced(60.0, 5e-3, 4, angle=90.0, gain=1.03)
     fit = fitted(tmp_path, x, z, tip=StylusTip(5e-3, np.radians(90.0)))
     assert "steeper than the tip's cone of 90° can draw" in fit.notes[0]
     assert fit.curvature.low <= 60.0 <= fit.curvature.high

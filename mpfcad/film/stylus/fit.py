@@ -143,7 +143,7 @@ def _of_both_ways(trace: StylusTrace, up: StylusFit, down: StylusFit) -> StylusF
         )
         raise InputError(
             f"{trace.name}: z_um: tips up, {one}, and upside down, {other}, fit alike: expected "
-            "--tip-radius-um, which may tell, or --upright"
+            "--tip-radius-um, which may tell, or --upright once the sign of z is right"
         )
     note = "upside down the trace would fit as well: the interval holds both readings"
     return replace(

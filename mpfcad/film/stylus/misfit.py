@@ -5,8 +5,9 @@ import numpy as np
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.stylus.model import PITCH, Fitted
-from mpfcad.film.stylus.residual import shape_misfit
+from mpfcad.film.stylus.residual import SAID, shape_misfit
 from mpfcad.film.stylus.trace import StylusTrace
+from mpfcad.film.stylus.upright import lie_of
 from mpfcad.units import um
 
 #: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
@@ -14,8 +15,9 @@ UNEXPLAINED = 0.5
 #: Grooves whose C differ by more than this share of their mean, standard deviation, are not alike.
 _UNLIKE = 0.35
 #: Shares of the relief by which the grooves' mean shape may differ from the model before it is
-#: said, and before the trace is refused. A sine of the same pitch differs by 3 … 26 %.
-SAID, _REFUSED = 0.015, 0.04
+#: asked whether upside down it fits as well, and before it is refused in any case. A meniscus of a
+#: circle's shape differs by up to 5 %, and far more upside down; a sine by 2 … 26 %, either way.
+_ASKED, _REFUSED = 0.04, 0.08
 
 
 def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
@@ -35,7 +37,10 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
         )
     _refuse_unlike(trace, fit)
     off = shape_misfit(fit)
-    if off > _REFUSED * relief:
+    options = (groove, fit.model.profile, trace.tip)
+    if off > _REFUSED * relief or (
+        off > _ASKED * relief and lie_of(trace.position, trace.height, *options).way != "up"
+    ):
         raise InputError(
             f"{trace.name}: z_um: the grooves' mean shape is {off / um:.3g} µm rms off walls and "
             f"parabola, {off / relief:.0%} of {relief / um:.3g} µm of relief: expected a trace "

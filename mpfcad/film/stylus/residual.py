@@ -5,6 +5,8 @@ from numpy.typing import NDArray
 
 from mpfcad.film.stylus.model import CENTRE, PITCH, Fitted
 
+#: Share of the relief by which the grooves' mean shape may differ from the model before it is said.
+SAID = 0.015
 #: Parts of a pitch whose mean residuals are looked at.
 _PARTS = 25
 #: A sum of so many squares is above this many times its mean with a chance below 1e-4.

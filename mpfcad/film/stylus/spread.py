@@ -18,8 +18,9 @@ SHARE = 0.8
 _IN_SIGHT, _COVERED = 0.01, 1.15
 #: From groove to groove where they are too few to tell: relative standard deviation of u, assumed.
 _DIFFER = 0.03
-#: Ways in which a groove's mean shape may depart from the model, less those that the model has.
-_SHAPES = 15
+#: By how many ways to depart what the mean shape leaves is divided to be what it hides along one
+#: that is sought. Circular menisci ask for so few.
+_SHAPES = 3
 #: A prior standard deviation of u that matters only where nothing depends on u.
 _ANY_FILL = 1.0
 #: What is unseen counts from so many linear half-widths on.
@@ -142,7 +143,7 @@ def _half_widths(fit: Fitted, noise: float, freedom: float, *, held: bool) -> ND
         scatter = _Z * _DIFFER / np.sqrt(seen)
         half[:2] = np.hypot(half[:2], [scatter * mean, scatter])
     # What a mean shape that is not the model's may hide along the values sought: its sum of squares
-    # is spread over all ways to depart.
+    # is as of a few ways to depart.
     shape = by_noise / noise**2 * len(design) * shape_misfit(fit) ** 2 / _SHAPES
     return np.sqrt(half**2 + _Z**2 * (by_prior + shape))
 

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus.misfit import SAID
 from mpfcad.film.stylus.model import MOST_OFF, Fitted, TraceModel, fit_model
-from mpfcad.film.stylus.residual import correlation_sum, misfit_share
+from mpfcad.film.stylus.residual import SAID, correlation_sum, misfit_share
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
@@ -25,6 +24,9 @@ Way = Literal["up", "down", "either", "neither"]
 _WIDTHS, _A_WIDTH = 8, 50
 #: By how much ln(likelihood ratio)·2 must differ, as of independent heights: six deviations.
 _CERTAIN = 36.0
+#: A reading that leaves more of the relief than this is none. One that leaves more than `SAID` is
+#: one only where the other leaves so many times as much.
+_NONE, _WORSE = 0.08, 1.5
 #: Tips that tell it; between them the prism tips' own rounding, which is sought, does as well.
 _TIPS = (StylusTip(2 * um), StylusTip(5 * um), StylusTip(12.5 * um))
 #: A tip that leaves so many times the misfit of the best is too large, and so are larger ones.
@@ -86,8 +88,9 @@ def lie_of(
 ) -> Lie:
     """Return which way up heights (n,) [mm] lie, by the usual tips where the stated one fits not.
 
-    `either`: both readings fit, and noise does not tell them apart. `neither`: they are as alike,
-    and what both leave is more than noise.
+    `either`: both readings fit, and noise does not tell them apart, or upside down it fits better
+    than upright by less than what a meniscus of another shape makes. `neither`: the better one
+    leaves more than noise, and the other hardly more than it.
     """
     thin = _thinned(x, z, groove)
     steepest = groove.wall_slope * (1 + MOST_OFF)
@@ -136,9 +139,14 @@ def _compared(up: Reading, down: Reading) -> Lie:
     noise = best.fit.noise
     inner = best.fit.model.residual(best.fit.value)
     behind = (_loss(down, noise) - _loss(up, noise)) / correlation_sum(inner)
-    if abs(behind) >= _CERTAIN:
-        return Lie("up" if behind > 0 else "down", up, down)
-    return Lie("either" if min(up.share, down.share) <= SAID else "neither", up, down)
+    less, more = sorted((up.share, down.share))
+    if less > _NONE or (less > SAID and more < _WORSE * less):
+        return Lie("neither", up, down)
+    if abs(behind) < _CERTAIN:
+        return Lie("either", up, down)
+    if behind > 0:
+        return Lie("up", up, down)
+    return Lie("down" if up.share > SAID else "either", up, down)
 
 
 def _loss(reading: Reading, noise: float) -> float:

@@ -22,7 +22,7 @@ from mpfcad.film.stylus.file.scale import (
 )
 from mpfcad.film.stylus.file.text import read_table
 from mpfcad.film.stylus.file.unit import UNITS, WORDS, parse_unit
-from mpfcad.film.stylus.misfit import SAID
+from mpfcad.film.stylus.residual import SAID
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace, check_sampling
 from mpfcad.film.stylus.upright import Lie, lie_of
