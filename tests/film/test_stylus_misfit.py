@@ -21,6 +21,7 @@ def test_a_sine_is_no_groove(amplitude):
         fit_stylus_trace(trace, BEF)
 
 
+@pytest.mark.slow
 def test_a_sine_that_a_large_tip_could_have_drawn_is_said():
     """A ball of 12.5 µm over a covered groove looks much like it: 3 % of the relief are left."""
     fit = fit_stylus_trace(StylusTrace(X, 5e-3 * SINE + NOISE, "t.csv"), BEF)

@@ -88,8 +88,7 @@ def lie_of(
 ) -> Lie:
     """Return which way up heights (n,) [mm] lie, by the usual tips where the stated one fits not.
 
-    `either`: both readings fit, and noise does not tell them apart, or upside down it fits better
-    than upright by less than what a meniscus of another shape makes. `neither`: the better one
+    `either`: both readings fit, and noise does not tell them apart. `neither`: the better one
     leaves more than noise, and the other hardly more than it.
     """
     thin = _thinned(x, z, groove)
@@ -144,9 +143,7 @@ def _compared(up: Reading, down: Reading) -> Lie:
         return Lie("neither", up, down)
     if abs(behind) < _CERTAIN:
         return Lie("either", up, down)
-    if behind > 0:
-        return Lie("up", up, down)
-    return Lie("down" if up.share > SAID else "either", up, down)
+    return Lie("up" if behind > 0 else "down", up, down)
 
 
 def _loss(reading: Reading, noise: float) -> float:
