@@ -60,7 +60,7 @@ def printed_with(tmp_path, luminance, monkeypatch):
         curve = 1 + 0.05 * more * np.cos(2 * np.pi * np.linspace(0, 1, POINTS))
         return runs.reading.read(curve), runs.reading.spread(curve, np.full(POINTS, 1e-4))
 
-    monkeypatch.setattr(Runs, "_trace", trace)
+    monkeypatch.setattr(Runs, "trace", trace)
 
     def find(deviation):
         (tmp_path / "process.toml").write_text(CALIBRATION.format(deviation))

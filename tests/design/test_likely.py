@@ -59,7 +59,7 @@ def work(tmp_path, lamps, monkeypatch):
         curve=SimpleNamespace(is_sharp=False), paths=1000,
     )  # fmt: skip
     monkeypatch.setattr(made, "trace", trace)
-    monkeypatch.setattr(Runs, "_trace", run)
+    monkeypatch.setattr(Runs, "trace", run)
     monkeypatch.setattr(judged, "luminance_over_pitch", lambda *_, **__: flat)
     return made, asked
 
