@@ -7,6 +7,7 @@ from manifold3d import triangulate
 from numba import njit, uint64
 
 from mpfcad.optics import sheet
+from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.caught import NO_NET
@@ -18,6 +19,8 @@ from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
+from mpfcad.optics.stokes.engine import trace_polarised
+from mpfcad.optics.stokes.state import LIGHT_SHAPE, ROWS
 from mpfcad.optics.wave import Wave
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
@@ -255,7 +258,7 @@ def pass_layers(scene, enter_below, seed, out):
             p = scene.parameter[e]
             if scene.kind[e] == SLAB:
                 way, x, y, dx, dy, dz, kept = slab_passage(
-                    scene.phase, p, up, x, y, dx, dy, dz, rng
+                    scene.phase, p, up, x, y, dx, dy, dz, None, rng
                 )
                 weight *= kept
             elif scene.kind[e] == SHEET:
@@ -268,7 +271,7 @@ def pass_layers(scene, enter_below, seed, out):
                 way = 1 if passed == up else -1
             else:
                 way, x, y, dx, dy, dz, kept = placed_film_passage(
-                    scene.tiles, scene.phase, p, up, x, y, dx, dy, dz, rng
+                    scene.tiles, scene.phase, p, up, x, y, dx, dy, dz, None, rng
                 )
                 weight *= kept
             if way == 0:
@@ -289,7 +292,7 @@ def pass_film(tiles, index, up, start, seed, out):
     for i in range(len(start)):
         start_path(rng, uint64(seed), uint64(8), uint64(i))
         x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
-        way, x, y, dx, dy, dz, _ = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, rng)
+        way, x, y, dx, dy, dz, _ = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, None, rng)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
 
 
@@ -353,3 +356,13 @@ def within(value, expected, error, sigmas: float, what: str = "") -> None:
     """Assert that a figure lies within a number of its standard errors."""
     away = np.abs(np.asarray(value) - expected) / error
     assert np.max(away) <= sigmas, f"{what}: {value} against {expected}: {np.max(away):.1f} sigma"
+
+
+def polarised_paths(scene, source, seed, count, first=0) -> np.ndarray:
+    """Return I, Q, U, V of paths first, first+1 …, (n, 4), of a meter of one point."""
+    stokes, flow = np.empty((count, ROWS)), np.zeros(len(FLOWS) + len(scene.kind))
+    trace_polarised(
+        scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first),
+        np.zeros(LIGHT_SHAPE), np.zeros(RNG_SIZE, np.uint64), stokes, flow,
+    )  # fmt: skip
+    return stokes

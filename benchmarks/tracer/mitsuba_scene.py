@@ -14,7 +14,7 @@ from tracer.mesh import read_mesh
 PITCH = 50.0  # µm
 
 
-def _mitsuba_mesh(mi, path, index, to_world=None):
+def film_shape(mi, path, index, to_world=None):
     vertex, facet = read_mesh(path)
     record = np.zeros(len(facet), [("count", "u1"), ("vertex", "<i4", 3)])
     record["count"], record["vertex"] = 3, facet
@@ -39,7 +39,7 @@ def mitsuba():
     return mi
 
 
-def _plane(mi, z, half, **more):
+def plane(mi, z, half, **more):
     to_world = mi.ScalarTransform4f().translate([0, 0, z]).scale([half, half, 1])
     return {"type": "rectangle", "to_world": to_world, **more}
 
@@ -71,8 +71,8 @@ def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=0.0, top=180.
         "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 1.0}},
         "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": reflectance}},
     }
-    world = {"type": "scene", "film": _mitsuba_mesh(mi, path, index)}
-    world["light"] = _plane(mi, -1.0, 3e5, **light)
+    world = {"type": "scene", "film": film_shape(mi, path, index)}
+    world["light"] = plane(mi, -1.0, 3e5, **light)
     if mirrors:
         _mirrors(mi, world, mirrors, 100, 500)
 
@@ -151,7 +151,7 @@ def mitsuba_stack(path, stack, points):
     grey = {"type": "rgb", "value": cavity.reflectance}
     # Heights count from the film: Mitsuba's ray offset is 9e-5 of the largest coordinate.
     floor = -cavity.height * mm - plate.thickness * mm - 20
-    world = {"type": "scene", "reflector": _plane(mi, floor, half, bsdf={
+    world = {"type": "scene", "reflector": plane(mi, floor, half, bsdf={
         "type": "blendbsdf", "weight": cavity.specular_fraction,
         "diffuse": {"type": "diffuse", "reflectance": grey},
         "mirror": {"type": "conductor", "material": "none", "specular_reflectance": grey},
@@ -178,10 +178,10 @@ def mitsuba_stack(path, stack, points):
                 "transmission": element.transmission}  # fmt: skip
 
     z += plate.thickness * mm + 10
-    world["bottom"] = _plane(mi, z, half, bsdf=sheet(bottom))
-    world["film"] = _mitsuba_mesh(mi, path, film.index)
+    world["bottom"] = plane(mi, z, half, bsdf=sheet(bottom))
+    world["film"] = film_shape(mi, path, film.index)
     z = world["film"].bbox().max.z + 10
-    world["top"] = _plane(mi, z, half, bsdf=sheet(top))
+    world["top"] = plane(mi, z, half, bsdf=sheet(top))
     _mirrors(mi, world, wall, floor / 2, -floor)
     scene = mi.load_dict(world)
 

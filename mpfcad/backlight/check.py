@@ -1,9 +1,12 @@
 """What the layers and numbers of a stack must be together."""
 
+from mpfcad.backlight.layer import POLARISING
+from mpfcad.backlight.plane_layer import matrix_of
 from mpfcad.backlight.quantity import FILM_LAYERS, FILM_RANGES
 from mpfcad.backlight.source import LedSpec
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
+from mpfcad.optics.stokes.mueller import refuse_active
 
 #: What one value of a sheet needs beside it.
 _NEEDS = {"axis_deg": "sigma_across", "wide_sigma": "wide_share", "wide_share": "wide_sigma"}
@@ -28,6 +31,7 @@ def check_layers(where: str, stack: Stack) -> None:
         )
     _check_film_layers(where, stack)
     _check_lobes(where, stack)
+    _check_light(where, stack)
     if "bonded_film" in layers:
         at = layers.index("bonded_film")
         if at == 0 or stack.kind_of(layers[at - 1]) != "plate":
@@ -41,6 +45,38 @@ def _check_lobes(where: str, stack: Stack) -> None:
             if f"{name}.{value}" in stack.quantity and f"{name}.{needs}" not in stack.quantity:
                 raise InputError(
                     f"{where}: layers: {name}: {needs}: missing: expected with {value}"
+                )
+
+
+def _check_light(where: str, stack: Stack) -> None:
+    """Raise unless light is polarised where a layer acts on it, and each such layer is passive."""
+    if stack.polarised and stack.spec.kind == LedSpec.kind:
+        raise InputError(
+            f"{where}: light.polarised: LEDs are traced without polarisation: expected tubes"
+        )
+    given = [key for key in stack.quantity if key.endswith("depolarisation")]
+    if given and not stack.polarised:
+        raise InputError(f"{where}: value.{given[0]}: needs light.polarised = true")
+    for name, layer in stack.own.items():
+        if layer.kind not in POLARISING:
+            continue
+        at = f"{where}: layers: {name}"
+        if not stack.polarised:
+            raise InputError(f"{at}: {layer.kind}: needs light.polarised = true")
+        if layer.kind == "retarder":
+            given = [k for k in ("nm", "waves") if f"{name}.retardation_{k}" in stack.quantity]
+            if len(given) != 1:
+                said = "both retardation_nm and retardation_waves" if given else "no retardation"
+                raise InputError(f"{at}: {said}: expected one of the two")
+        if layer.kind == "mueller":
+            refuse_active(at, matrix_of(stack, name))
+        for way in ("along", "across"):
+            parts = [f"{name}.{part}_{way}" for part in ("transmission", "reflection")]
+            shares = [stack[part] for part in parts if part in stack.quantity]
+            if sum(shares) > 1.0 + 1e-12:
+                raise InputError(
+                    f"{at}: transmission_{way} {shares[0]:g} and reflection_{way} {shares[1]:g}: "
+                    "expected at most 1 together, as a passive layer has"
                 )
 
 

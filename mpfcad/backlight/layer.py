@@ -16,6 +16,9 @@ LAYERS = {
     "top_sheet": "top diffuser sheet",
 }
 _INDEX, _ANGLE, _ABSORPTION, _SLOPE = (1.0, 4.0), (-360.0, 360.0), (0.0, 100.0), (0.0, 1.0)
+_SHARE = (0.0, 1.0)
+#: Of a Mueller matrix, row by row.
+MUELLER_ENTRIES = [f"m{i}{j}" for i in range(4) for j in range(4)]
 #: Stands for a value that may be left out, and then is none.
 LEFT_OUT = "left out"
 #: Values of a layer's own by its kind: lowest, highest, and the stack's value or the number that
@@ -51,9 +54,33 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "axis_deg": (*_ANGLE, LEFT_OUT),
         "wide_sigma": (0.0, 10.0, LEFT_OUT),
         "wide_share": (0.0, 1.0, LEFT_OUT),
+        "depolarisation": (*_SHARE, LEFT_OUT),
     },
     "bsdf": {},
+    "polariser": {
+        "axis_deg": (*_ANGLE, 0.0),
+        "transmission_along": (*_SHARE, None),
+        "transmission_across": (*_SHARE, 0.0),
+    },
+    "reflective_polariser": {
+        "axis_deg": (*_ANGLE, 0.0),
+        "transmission_along": (*_SHARE, None),
+        "transmission_across": (*_SHARE, None),
+        "reflection_along": (*_SHARE, None),
+        "reflection_across": (*_SHARE, None),
+    },
+    "retarder": {
+        "axis_deg": (*_ANGLE, 0.0),
+        "retardation_nm": (0.0, 1e6, 0.0),
+        "retardation_waves": (0.0, 1000.0, 0.0),
+    },
+    "mueller": {
+        "axis_deg": (*_ANGLE, 0.0),
+        **{name: (0.0 if name == "m00" else -1.0, 1.0, None) for name in MUELLER_ENTRIES},
+    },
 }
+#: What acts on polarisation: there is none without `light.polarised`.
+POLARISING = ("polariser", "reflective_polariser", "retarder", "mueller")
 _FLAGS = ("kind", "name", "file", "flipped")
 
 
@@ -80,10 +107,12 @@ class Layer:
     def title(self) -> str:
         """What it is, in words."""
         words = {"film": "film", "bef": "prism film", "plate": "plate", "sheet": "diffuser sheet",
-                 "bsdf": "element by its BSDF table"}  # fmt: skip
+                 "bsdf": "element by its BSDF table",
+                 "reflective_polariser": "reflective polariser",
+                 "mueller": "element by its Mueller matrix"}  # fmt: skip
         where = f" {Path(self.file).name}" if self.file else ""
         down = ", upside down" if self.flipped else ""
-        return f"{words[self.kind]}{where}{down}"
+        return f"{words.get(self.kind, self.kind)}{where}{down}"
 
 
 def read_layer(
@@ -112,6 +141,8 @@ def read_layer(
     at = f"{where}: layers: {name}"
     if kind == "bsdf":
         return name, Layer(name, kind), {}
+    if kind == "mueller":
+        entry = _with_entries(at, entry)
     is_film = kind in ("film", "bef")
     allowed = [*_FLAGS[:2], *(("file",) if kind == "film" else ()), *OWN_VALUES[kind]]
     allowed += ["flipped"] if is_film else []
@@ -127,6 +158,16 @@ def read_layer(
             raise InputError(f"{at}: file: {file}: no such file: expected a mesh or table")
     values = {key: value for key, value in entry.items() if key not in _FLAGS}
     return name, Layer(name, kind, file, flipped), values
+
+
+def _with_entries(at: str, entry: dict[str, object]) -> dict[str, object]:
+    """Return an entry with the rows of its Mueller matrix as values of their own."""
+    matrix = entry.get("matrix")
+    rows = matrix if isinstance(matrix, list) else []
+    if len(rows) != 4 or not all(isinstance(row, list) and len(row) == 4 for row in rows):
+        raise InputError(f"{at}: matrix: {matrix}: expected four rows of four numbers")
+    rest = {key: value for key, value in entry.items() if key != "matrix"}
+    return {**rest, **dict(zip(MUELLER_ENTRIES, (m for row in rows for m in row), strict=True))}
 
 
 def _own_name(where: str, entry: dict[str, object], place: int) -> str:

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from mpfcad.backlight.film_layer import lower_film
+from mpfcad.backlight.layer import POLARISING
 from mpfcad.backlight.particle import build_particles
+from mpfcad.backlight.plane_layer import depolarisation_of, lower_plane
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import BsdfSheet, Element, Film, LibraryFilm, Sheet, Slab
@@ -48,7 +50,10 @@ def lower_stack(
             elements.append(_plate(stack, layer == "diffusing_plate", bonded))
         else:
             sigma, transmission = stack[f"{layer}_sigma"], stack["sheet_transmission"]
-            elements.append(Sheet(sigma, stack["sheet_index"], transmission, _words(layer)))
+            left = depolarisation_of(stack, layer)
+            elements.append(
+                Sheet(sigma, stack["sheet_index"], transmission, _words(layer), depolarisation=left)
+            )
     return elements
 
 
@@ -80,6 +85,8 @@ def _own_layer(stack: Stack, name: str) -> Element:
         return stack[f"{name}.{key}"]
 
     words = _words(name)
+    if layer.kind in POLARISING:
+        return lower_plane(stack, name, words)
     if layer.kind == "plate":
         volume = (value("scattering_per_mm"), value("absorption_per_mm"), value("asymmetry"))
         bonded = stack.layers.index(name) + 1 < len(stack.layers) and (
@@ -91,9 +98,10 @@ def _own_layer(stack: Stack, name: str) -> Element:
             stack.get(f"{name}.{key}") for key in ("axis_deg", "wide_sigma", "wide_share")
         )
         across = value("sigma_across") if f"{name}.sigma_across" in stack.quantity else None
+        left = depolarisation_of(stack, name)
         return Sheet(
             value("sigma"), value("index"), value("transmission"), words, across, axis * deg,
-            wide, share,
+            wide, share, left,
         )  # fmt: skip
     mesh: FilmMesh | Library | CellTops
     if layer.kind == "bef":

@@ -51,6 +51,8 @@ PARTICLE_RANGES = {
     "resin_asymmetry": (-0.99, 0.99),
     "light_wavelength_nm": (200.0, 2000.0),
 }
+#: How light is polarised; may be left out.
+LIGHT_RANGES = {"sheet_depolarisation": (0.0, 1.0)}
 #: Layers of a film under its prisms, from below, and what each states, as does the resin in its
 #: grooves; all may be left out.
 FILM_LAYERS = ("film_base", "film_primer")
@@ -82,7 +84,7 @@ def ranges_with(spec: SourceSpec) -> dict[str, Range]:
 
 def find_range(key: str, own: dict[str, Layer], spec: SourceSpec) -> Range | None:
     """Return (lowest, highest) of a value by its name; None for no value of this stack."""
-    optional = (PANEL_RANGES, PARTICLE_RANGES, FILM_RANGES)
+    optional = (PANEL_RANGES, PARTICLE_RANGES, FILM_RANGES, LIGHT_RANGES)
     for ranges in (ranges_with(spec), spec.panel_ranges, *optional):
         if key in ranges:
             return ranges[key]
@@ -108,7 +110,7 @@ def read_quantity(
     limits = find_range(key, own, spec)
     if limits is None:
         known = [*ranges_with(spec), *spec.panel_ranges, *PANEL_RANGES, *PARTICLE_RANGES]
-        known += FILM_RANGES
+        known += [*FILM_RANGES, *LIGHT_RANGES]
         known += spec.patterns()
         known += [f"{name}.{v}" for name, layer in own.items() for v in OWN_VALUES[layer.kind]]
         raise InputError(f"{where}.{key}: unknown value; expected: {', '.join(known)}")

@@ -19,7 +19,9 @@ from mpfcad.errors import InputError
 _PRESETS = Path(__file__).parent / "preset"
 #: Longest chain of files that extend one another.
 _MOST_EXTENDED = 20
-_KEYS = {"schema", "extends", "title", "layers", "value", "extent", "reflector", "source"}
+_KEYS = {
+    "schema", "extends", "title", "layers", "value", "extent", "reflector", "source", "light",
+}  # fmt: skip
 
 
 @dataclass
@@ -33,6 +35,7 @@ class _Text:
     value: dict[str, tuple[str, object]] = field(default_factory=dict)
     table: dict[str, BsdfLayer] = field(default_factory=dict)
     spec: SourceSpec = field(default_factory=TubeSpec)
+    polarised: bool = False
 
 
 def list_stacks() -> list[Stack]:
@@ -47,7 +50,8 @@ def read_stack(
 
     A file has `title`, `layers` (from the lamps up), `extent`, `extends` (a preset or another file
     beside it) and a table `[value]` of `name = number` (tagged `given`) or `name = {value, tag,
-    source}`. `thickness` [mm] and `overrides` (names with unit suffix, or `extent`) are `given`.
+    source}`, and a table `[light]` with `polarised`. `thickness` [mm] and `overrides` (names with
+    unit suffix, `extent`, or `light`) are `given`.
 
     Raises
     ------
@@ -66,6 +70,8 @@ def _read_stack(
     given = dict(overrides or {})
     if "extent" in given:
         text.extent = given.pop("extent")
+    if "light" in given:
+        text.polarised = _polarised(f"{where}: stack.override.light", given.pop("light"))
     if thickness is not None:
         given["thickness_mm"] = thickness
     text.value.update(_flat(f"{where}: stack.override", given))
@@ -85,7 +91,7 @@ def _read_stack(
         )
     stack = Stack(
         Path(where).stem, text.title, layers, quantity, extent, own, tables=text.table,
-        spec=text.spec,
+        spec=text.spec, polarised=text.polarised,
     )  # fmt: skip
     check_layers(where, stack)
     stack = derive(where, stack)
@@ -165,9 +171,21 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
         )
     if "source" in table:
         text.spec = read_spec(where, path.parent, table["source"])
+    if "light" in table:
+        text.polarised = _polarised(f"{where}: light", table["light"])
     text.title = str(table.get("title", text.title))
     text.extent = table.get("extent", text.extent)
     return text
+
+
+def _polarised(where: str, entry: object) -> bool:
+    """Return whether a table `light` asks for polarised light."""
+    if not isinstance(entry, Mapping) or set(entry) - {"polarised"}:
+        raise InputError(f"{where}: {entry!r}: expected a table with polarised")
+    polarised = entry.get("polarised", False)
+    if not isinstance(polarised, bool):
+        raise InputError(f"{where}.polarised: {polarised!r}: expected true or false")
+    return polarised
 
 
 def _extended(where: str, name: str | Path, seen: set[str]) -> _Text:

@@ -9,6 +9,7 @@ from mpfcad.backlight.bsdf_layer import BsdfLayer
 from mpfcad.backlight.layer import LAYERS, Layer
 from mpfcad.backlight.quantity import (
     FILM_RANGES,
+    LIGHT_RANGES,
     PANEL_RANGES,
     PARTICLE_RANGES,
     Quantity,
@@ -46,6 +47,8 @@ class Stack:
         mesh file of the job's film without resin: needed where light sees its surface under it
     spec
         the kind of light source, and what of it is no number
+    polarised
+        whether light is traced with Stokes vectors
     """
 
     name: str
@@ -57,6 +60,7 @@ class Stack:
     tables: dict[str, BsdfLayer] = field(default_factory=dict)
     prism: Path | None = None
     spec: SourceSpec = field(default_factory=TubeSpec)
+    polarised: bool = False
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -193,14 +197,20 @@ class Stack:
         names = [*ranges_with(self.spec)]
         names += [*self.spec.panel_ranges, *PANEL_RANGES] if panel else []
         names += self.spec.numbered(self.quantity)
-        names += [k for k in (*PARTICLE_RANGES, *FILM_RANGES) if k in self.quantity]
+        names += [k for k in (*PARTICLE_RANGES, *FILM_RANGES, *LIGHT_RANGES) if k in self.quantity]
         names += [k for layer in self.own for k in self.quantity if k.startswith(f"{layer}.")]
         numbers = [
             {"name": k, "value": q.value, "tag": q.tag, "source": q.source}
             for k, q in ((k, self.quantity[k]) for k in names)
         ]
         tables = [{"name": k, **table.describe_source()} for k, table in self.tables.items()]
-        return [*numbers, *self.spec.inputs(), *tables]
+        return [*numbers, *self.spec.inputs(), *tables, *self._light()]
+
+    def _light(self) -> list[dict[str, object]]:
+        """Return how light is traced, where it is not as in the thesis."""
+        said = "Stokes vectors along the path"
+        light = {"name": "light.polarised", "value": "true", "tag": "given", "source": said}
+        return [light] if self.polarised else []
 
 
 def stack_file(layer: str) -> str:

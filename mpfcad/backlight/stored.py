@@ -17,6 +17,7 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "name": stack.name,
         "title": stack.title,
         **({"source": source} if source else {}),
+        **({"polarised": True} if stack.polarised else {}),
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
         "tables": {name: table.describe() for name, table in stack.tables.items()},
@@ -36,4 +37,5 @@ def restore_stack(document: dict[str, Any]) -> Stack:
     return Stack(
         document["name"], document["title"], tuple(document["layers"]), quantity,
         document["extent"], own, tables, spec=restore_spec(document.get("source", {})),
+        polarised=document.get("polarised", False),
     )  # fmt: skip

@@ -29,6 +29,8 @@ def stack_tables(stack: Stack) -> dict[str, Any]:
             "expected a backlight of named layers over tubes"
         )
     value = {name: quantity_table(entry) for name, entry in stack.quantity.items()}
+    light = {"light": {"polarised": True}} if stack.polarised else {}
     return {
-        "title": stack.title, "layers": list(stack.layers), "extent": stack.extent, "value": value,
+        "title": stack.title, **light, "layers": list(stack.layers), "extent": stack.extent,
+        "value": value,
     }  # fmt: skip

@@ -237,6 +237,9 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     for name in names:
         low, high = figures[name]["ci95"]
         print(f"{name} {figures[name]['value']:.6g} [{low:.6g}, {high:.6g}]")
+    for name, estimate in _estimates(figures.get("polarisation", {})):
+        low, high = estimate["ci95"]
+        print(f"{name} {estimate['value']:.6g} [{low:.6g}, {high:.6g}]")
     if "confidence" in figures:
         print_confidence(figures["confidence"])
     print(f"accelerator {figures['accelerator'] or 'none: no mesh'}")

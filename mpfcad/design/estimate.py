@@ -87,6 +87,11 @@ def _scene(mesh: "FilmMesh", stack: Stack) -> "tuple[Scene, int]":
     from mpfcad.optics.element import FILM
     from mpfcad.optics.scene import build_scene
 
+    if stack.polarised:
+        raise InputError(
+            f"{stack.name}: light.polarised: the model of a film in its backlight has no "
+            "polarisation: expected false"
+        )
     scene = build_scene(lower_stack(stack, mesh))
     return scene, int(np.flatnonzero(scene.kind == FILM)[0])
 

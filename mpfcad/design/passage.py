@@ -54,7 +54,7 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
         if e == film:
             return (BELOW if up else ABOVE), x, dx, dy, weight, radiance
         way, x, y, dx, dy, dz, weight, found = pass_element(
-            scene, e, up, x, y, 0.0, dx, dy, dz, NO_LAMP, weight, flow, rng
+            scene, e, up, x, y, 0.0, dx, dy, dz, NO_LAMP, weight, flow, None, rng
         )
         radiance += found
         if way == 0:
@@ -121,7 +121,20 @@ def trace_film(
             else:
                 kx, ky, kz = _start_direction(corner, entry % d_count, across, along, rng)
             way, x, _, kx, ky, kz, weight, _ = pass_element(
-                scene, film, up, x, 0.0, 0.0, kx, ky, kz if up else -kz, NO_LAMP, 1.0, flow, rng
+                scene,
+                film,
+                up,
+                x,
+                0.0,
+                0.0,
+                kx,
+                ky,
+                kz if up else -kz,
+                NO_LAMP,
+                1.0,
+                flow,
+                None,
+                rng,
             )
             if way != 0:
                 column = _direction_cell(number, kx, ky) + (0 if way > 0 else d_count)

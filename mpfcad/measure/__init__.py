@@ -27,6 +27,11 @@ from mpfcad.measure.flux import FluxResult, output_flux
 from mpfcad.measure.luminance import LuminanceResult, luminance_over_pitch
 from mpfcad.measure.meter import POINTS, Spot
 from mpfcad.measure.panel import PanelResult, check_finite, panel_luminance
+from mpfcad.measure.polarisation import (
+    PolarisationResult,
+    polarisation,
+    refuse_unpolarised,
+)
 from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
 from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, UniformityResult, screen_uniformity
 
@@ -47,6 +52,7 @@ __all__ = [
     "Lit",
     "LuminanceResult",
     "PanelResult",
+    "PolarisationResult",
     "Spot",
     "Survey",
     "TraceRun",
@@ -67,7 +73,9 @@ __all__ = [
     "luminance_over_pitch",
     "output_flux",
     "panel_luminance",
+    "polarisation",
     "reach",
+    "refuse_unpolarised",
     "relative_spread",
     "screen_uniformity",
     "survey_directions",

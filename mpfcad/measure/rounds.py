@@ -144,7 +144,7 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     mesh = None if mesh_path is None else read_film(mesh_path)
     spot = meter_spot(stack, mesh if isinstance(mesh, FilmMesh) else None)
     elements = lower_stack(stack, mesh, offset)
-    scene = build_scene(elements)
+    scene = build_scene(elements, polarised=stack.polarised)
     case = {
         "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),
         "offset": offset,

@@ -127,7 +127,20 @@ def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
         kx, ky = math.sqrt(sin2) * math.cos(angle), math.sqrt(sin2) * math.sin(angle)
         kz = math.sqrt(max(1e-12, 1.0 - sin2))
         way, x, y, dx, dy, _, _, _ = pass_element(
-            scene, 0, up, x, y, 0.0, kx, ky, kz if up else -kz, NO_LAMP, 1.0, flow, rng
+            scene,
+            0,
+            up,
+            x,
+            y,
+            0.0,
+            kx,
+            ky,
+            kz if up else -kz,
+            NO_LAMP,
+            1.0,
+            flow,
+            None,
+            rng,
         )
         if way == 0:
             number[2 * count] += 1

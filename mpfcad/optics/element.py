@@ -14,10 +14,12 @@ from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh
+from mpfcad.optics.stokes.mueller import MuellerLayer
+from mpfcad.optics.stokes.plane import PlaneLayer
 from mpfcad.sound import refuse_unsound
 
 #: Kinds as the kernels know them.
-CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM, CELL_FILM = range(7)
+CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM, CELL_FILM, PLANE, MUELLER = range(9)
 #: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
 TABLE = 0
 #: Tiles of a film's mesh that a cell must hold for the film to be called even.
@@ -126,6 +128,8 @@ class Sheet(Mirrored):
         angle [rad] of the axis from x, anticlockwise as seen from above
     wide_sigma, wide_share
         of a second lobe, in each of kx, ky; the share 0…1 of all moves that it has
+    depolarisation
+        share of the polarisation that a passage or reflection takes, where light has one
     """
 
     sigma: float
@@ -136,6 +140,7 @@ class Sheet(Mirrored):
     axis: float = 0.0
     wide_sigma: float = 0.0
     wide_share: float = 0.0
+    depolarisation: float = 1.0
 
     def __post_init__(self) -> None:
         across = self.sigma if self.sigma_across is None else self.sigma_across
@@ -146,6 +151,7 @@ class Sheet(Mirrored):
         refuse_unsound(f"{self.name}.wide_share", self.wide_share, 0.0, 1.0)
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.transmission", self.transmission, 0.0, 1.0)
+        refuse_unsound(f"{self.name}.depolarisation", self.depolarisation, 0.0, 1.0)
 
     def is_mirrored(self, period: float) -> bool:
         """Tell whether the lobe is round or lies along x or y."""
@@ -265,4 +271,4 @@ class BsdfSheet(Mirrored):
         refuse_unsound(f"{self.name}.blend", self.blend, 0.0, 1.0)
 
 
-Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet | LibraryFilm
+Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet | LibraryFilm | PlaneLayer | MuellerLayer

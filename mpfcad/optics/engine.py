@@ -16,13 +16,11 @@ from numba import uint64
 from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.net import NET
-from mpfcad.optics.base.recorder import FLOW_DOWN, FLOW_LOST, FLOW_RIM, FLOW_UP, FLOWS, Tally
-from mpfcad.optics.base.roulette import roulette
+from mpfcad.optics.base.recorder import FLOWS, Tally
 from mpfcad.optics.base.sampling import start_net_path
 from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.caught import NO_NET, catch
 from mpfcad.optics.cavity.endless import NO_LAMP
-from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.cavity.queue import pass_cavity_queue
 from mpfcad.optics.element import CAVITY, FILM, Sheet
 from mpfcad.optics.film.chain_lanes import film_passages
@@ -42,12 +40,13 @@ from mpfcad.optics.film.passage import (
     out_of_film,
 )
 from mpfcad.optics.film.section_lanes import section_passages
-from mpfcad.optics.passage import pass_element
+from mpfcad.optics.passage import ENDED, next_element, pass_element
 from mpfcad.optics.scene import Scene, build_scene
 from mpfcad.optics.search.tile import BVH, GRID, SECTION
 from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.start_lanes import start_rays
+from mpfcad.optics.stokes.engine import trace_block
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
 
 #: Paths of one point in one block.
@@ -112,7 +111,7 @@ def _pass_one_by_one(scene, e, rays, wave, flow):
         p = wave.place[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
             scene, e, wave.upward[slot] != 0, p[0], p[1], p[2], p[3], p[4], p[5],
-            wave.lamp[slot], wave.weight[slot], flow, wave.rng[slot],
+            wave.lamp[slot], wave.weight[slot], flow, None, wave.rng[slot],
         )  # fmt: skip
         wave.way[slot] = way
         wave.lamp[slot] = NO_LAMP
@@ -157,25 +156,12 @@ def _pass_film(tile, film, rays, wave):
 def go_on(scene, e, slot, wave, flow):
     """Move a ray that has left element e before the next; return whether its path goes on."""
     way = wave.way[slot]
-    if way == 0:
-        flow[FLOW_LOST] += wave.weight[slot]
-        return False
-    x, y, wall = wave.place[slot, 0], wave.place[slot, 1], scene.wall
-    if not (wall[LEFT] <= x <= wall[RIGHT] and wall[NEAR] <= y <= wall[FAR]):
-        flow[FLOW_RIM] += wave.weight[slot]
-        return False
-    weight = roulette(wave.weight[slot], flow, wave.rng[slot])
-    wave.weight[slot] = weight
-    if weight == 0.0:
-        return False
-    e += way
-    if e < 0:
-        flow[FLOW_DOWN] += weight
-        wave.radiance[slot] += weight * scene.below
-        return False
-    if e == len(scene.kind):
-        flow[FLOW_UP] += weight
-        wave.radiance[slot] += weight * scene.above
+    e, wave.weight[slot], found = next_element(
+        scene, e, way, wave.place[slot, 0], wave.place[slot, 1], wave.weight[slot], flow,
+        wave.rng[slot],
+    )  # fmt: skip
+    wave.radiance[slot] += found
+    if e == ENDED:
         return False
     wave.upward[slot] = 1 if way > 0 else 0
     enqueue(wave, e, slot)
@@ -245,6 +231,12 @@ def trace(
     """
     points = len(source.position)
     flows = len(FLOWS) + len(scene.kind)
+
+    def polarised(block: int) -> Tally:
+        stokes, flow = np.empty((BLOCK, points, 1)), np.zeros(flows)
+        trace_block(scene, source, block, seed, stokes, flow)
+        return Tally.of_block(stokes[:, :, 0], flow)
+
     # Memory that threads hand on: asking for it anew took 5 % on a film alone.
     scratch: list[Any] = []
 
@@ -258,12 +250,11 @@ def trace(
             scene, source, np.uint64(seed), np.uint64(source.kind),
             np.uint64(block * radiance.size), wave, radiance.reshape(-1), flow, NO_NET,
         )  # fmt: skip
-        score = radiance.sum(axis=0)
-        score2 = np.square(radiance, out=radiance).sum(axis=0)
+        tally = Tally.of_block(radiance, flow)
         scratch.append((wave, radiance))
-        return Tally(score, score2, score**2, flow, flow**2, BLOCK, 1)
+        return tally
 
     return add_in_order(
-        one, range(first, first + blocks), add, Tally.empty(points, flows),
-        threads=threads, after=after_block,
+        polarised if scene.polarised else one, range(first, first + blocks), add,
+        Tally.empty(points, flows), threads=threads, after=after_block,
     )  # fmt: skip

@@ -21,6 +21,8 @@ from mpfcad.optics.element import (
     CELL_FILM,
     FILM,
     LIBRARY_FILM,
+    MUELLER,
+    PLANE,
     SHEET,
     SLAB,
     TABLE,
@@ -34,9 +36,12 @@ from mpfcad.optics.element import (
 )
 from mpfcad.optics.film import passage as film
 from mpfcad.optics.library.top import CellTops
+from mpfcad.optics.stokes import mueller, plane
+from mpfcad.optics.stokes.mueller import MuellerLayer
+from mpfcad.optics.stokes.plane import PlaneLayer
 
 #: Columns of a row: as many as the kind with most of them needs.
-COLUMNS = 16
+COLUMNS = 18
 
 
 class Rows:
@@ -157,6 +162,7 @@ def _sheet_columns(thin: Sheet, shared: Shared) -> Mapping[int, float]:
         sheet.SINE: sine,
         sheet.WIDE: thin.wide_sigma,
         sheet.SHARE: thin.wide_share,
+        sheet.DEPOLARISATION: thin.depolarisation,
     }
 
 
@@ -210,6 +216,25 @@ def _bsdf_columns(thin: BsdfSheet, shared: Shared) -> Mapping[int, float]:
     return {TABLE: shared.bsdf_row(thin.table, thin.blend)}
 
 
+def _plane_columns(layer: PlaneLayer, shared: Shared) -> Mapping[int, float]:
+    cosine, sine = quadrant(layer.axis)
+    return {
+        plane.COSINE: cosine,
+        plane.SINE: sine,
+        plane.PASS_ALONG: layer.transmittance[0],
+        plane.PASS_ACROSS: layer.transmittance[1],
+        plane.BACK_ALONG: layer.reflectance[0],
+        plane.BACK_ACROSS: layer.reflectance[1],
+        plane.RETARDATION: layer.retardation,
+    }
+
+
+def _mueller_columns(layer: MuellerLayer, shared: Shared) -> Mapping[int, float]:
+    cosine, sine = quadrant(layer.axis)
+    entries = {mueller.MATRIX + at: m for at, m in enumerate(layer.matrix.ravel())}
+    return {mueller.COSINE: cosine, mueller.SINE: sine, **entries}
+
+
 _LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
     Cavity: (CAVITY, _cavity_columns),
     Board: (CAVITY, _board_columns),
@@ -218,4 +243,6 @@ _LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
     Film: (FILM, _film_columns),
     LibraryFilm: (LIBRARY_FILM, _library_columns),
     BsdfSheet: (BSDF, _bsdf_columns),
+    PlaneLayer: (PLANE, _plane_columns),
+    MuellerLayer: (MUELLER, _mueller_columns),
 }

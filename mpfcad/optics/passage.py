@@ -1,23 +1,47 @@
 """One ray's passage through one element of a scene, of whatever kind, with its weight."""
 
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.base.recorder import FLOW_ELEMENTS
+from mpfcad.optics.base.recorder import (
+    FLOW_DOWN,
+    FLOW_ELEMENTS,
+    FLOW_LOST,
+    FLOW_RIM,
+    FLOW_UP,
+)
+from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.bsdf.passage import bsdf_passage
+from mpfcad.optics.cavity.finite import FAR, LEFT, NEAR, RIGHT
 from mpfcad.optics.cavity.passage import cavity_passage
-from mpfcad.optics.element import BSDF, CAVITY, CELL_FILM, LIBRARY_FILM, SHEET, SLAB, TABLE
+from mpfcad.optics.element import (
+    BSDF,
+    CAVITY,
+    CELL_FILM,
+    LIBRARY_FILM,
+    MUELLER,
+    PLANE,
+    SHEET,
+    SLAB,
+    TABLE,
+)
 from mpfcad.optics.film.passage import placed_film_passage
 from mpfcad.optics.library.cell_passage import placed_cell_passage
 from mpfcad.optics.library.passage import placed_library_passage
-from mpfcad.optics.sheet import TRANSMISSION, sheet_passage
+from mpfcad.optics.sheet import DEPOLARISATION, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.stokes.mueller import mueller_passage
+from mpfcad.optics.stokes.plane import plane_passage
+from mpfcad.optics.stokes.state import depolarise, fade, scatter_light
+
+#: In the place of the next element: there is none, the path has ended.
+ENDED = -1
 
 
 @kernel
-def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
     """Follow a ray through element e: (way, x, y, dx, dy, dz, weight, radiance found).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; z and lamp count for a path
-    that starts in the cavity.
+    that starts in the cavity. `light` is the state of polarised light, or None.
     """
     kind = scene.kind[e]
     parameter = scene.parameter[e]
@@ -26,35 +50,72 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     found = 0.0
     if kind == CAVITY:
         x, y, dx, dy, dz, weight, found = cavity_passage(
-            scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng
+            scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng
         )
         before = weight
     elif kind == SLAB:
         way, x, y, dx, dy, dz, survival = slab_passage(
-            scene.phase, parameter, up, x, y, dx, dy, dz, rng
+            scene.phase, parameter, up, x, y, dx, dy, dz, light, rng
         )
         weight *= survival
     elif kind == SHEET:
+        kx, ky, kz = dx, dy, dz
         passed, dx, dy, dz = sheet_passage(parameter, dx, dy, dz, rng)
+        scatter_light(light, passed, kx, ky, kz, dx, dy, dz)
+        fade(light, 1.0 - parameter[DEPOLARISATION])
         weight *= parameter[TRANSMISSION]
         way = 1 if passed == up else -1
     elif kind == BSDF:
         table = int(parameter[TABLE])
         passed, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
+        depolarise(light)
         weight *= survival
         way = 1 if passed == up else -1
+    elif kind == PLANE:
+        # A scene that has one is traced with a state.
+        if light is not None:
+            passed, dz, survival = plane_passage(parameter, dx, dy, dz, light, rng)
+            weight *= survival
+            way = 1 if passed == up else -1
+    elif kind == MUELLER:
+        if light is not None:
+            weight *= mueller_passage(parameter, dx, dy, dz, light)
+            way = 1 if up else -1
     elif kind == LIBRARY_FILM:
         way, x, y, dx, dy, dz = placed_library_passage(
-            scene.library, parameter, up, x, y, dx, dy, dz, rng
+            scene.library, parameter, up, x, y, dx, dy, dz, light, rng
         )
     elif kind == CELL_FILM:
         way, x, y, dx, dy, dz = placed_cell_passage(
-            scene.cells, parameter, up, x, y, dx, dy, dz, rng
+            scene.cells, parameter, up, x, y, dx, dy, dz, light, rng
         )
     else:
         way, x, y, dx, dy, dz, survival = placed_film_passage(
-            scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, rng
+            scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, light, rng
         )
         weight *= survival
     flow[FLOW_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
+
+
+@kernel
+def next_element(scene, e, way, x, y, weight, flow, rng):
+    """Return what a ray that has left element e meets: (element or `ENDED`, weight, radiance)."""
+    if way == 0:
+        flow[FLOW_LOST] += weight
+        return ENDED, weight, 0.0
+    wall = scene.wall
+    if not (wall[LEFT] <= x <= wall[RIGHT] and wall[NEAR] <= y <= wall[FAR]):
+        flow[FLOW_RIM] += weight
+        return ENDED, weight, 0.0
+    weight = roulette(weight, flow, rng)
+    if weight == 0.0:
+        return ENDED, weight, 0.0
+    e += way
+    if e < 0:
+        flow[FLOW_DOWN] += weight
+        return ENDED, weight, weight * scene.below
+    if e == len(scene.kind):
+        flow[FLOW_UP] += weight
+        return ENDED, weight, weight * scene.above
+    return e, weight, 0.0

@@ -33,6 +33,8 @@ from mpfcad.optics.library.top import CellArrays, build_cells
 from mpfcad.optics.lowering import COLUMNS, Shared, lower_element, quadrant
 from mpfcad.optics.search.tile import ACCELERATORS, build_tile
 from mpfcad.optics.search.tile_table import TileTable, build_tile_table
+from mpfcad.optics.stokes.mueller import MuellerLayer
+from mpfcad.optics.stokes.plane import PlaneLayer
 
 #: Largest length [mm] along y over which a meter averages on a finite panel.
 _MOST_ALONG = 2.0
@@ -61,6 +63,8 @@ class Scene(NamedTuple):
         (l, 4) float64, a board's (`Board.array`), and how its LEDs emit; no board: no LEDs
     length
         [mm] along y over which the stack repeats, and a meter averages unless told otherwise
+    polarised
+        whether paths carry Stokes vectors
     below, above
         radiance [cd/m²] of black surroundings' place under the first and over the last element
     """
@@ -77,6 +81,7 @@ class Scene(NamedTuple):
     led: NDArray[np.float64]
     emission: EmissionArrays
     length: float
+    polarised: bool
     below: float
     above: float
 
@@ -90,18 +95,24 @@ class Scene(NamedTuple):
         return ", ".join(dict.fromkeys(ways))
 
 
-def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0.0) -> Scene:
+def build_scene(
+    elements: list[Element], *, below: float = 0.0, above: float = 0.0, polarised: bool = False
+) -> Scene:
     """Return the scene of elements given from the bottom up, between radiances `below` and `above`.
 
     Raises
     ------
     TraceError
         when a cavity is not the lowest element, what lies on a bonded slab has not its index below,
-        or the asked accelerator does not fit the mesh.
+        the asked accelerator does not fit the mesh, or a layer acts on polarisation and light has
+        none.
     InputError
         when the mesh of a film that is bonded or holds resin has no flat underside.
     """
     _check_order(elements)
+    for element in elements:
+        if isinstance(element, PlaneLayer | MuellerLayer) and not polarised:
+            raise TraceError(f"{element.name}: what acts on polarisation: needs polarised light")
     shared = Shared()
     kind = np.zeros(len(elements), np.int64)
     parameter = np.zeros((len(elements), COLUMNS))
@@ -125,7 +136,20 @@ def build_scene(elements: list[Element], *, below: float = 0.0, above: float = 0
     cells = build_cells(shared.cells.entries)
     sky = float(below), float(above)
     return Scene(
-        kind, parameter, table, phase, bsdf, library, cells, wall, lamp, led, emission, length, *sky
+        kind,
+        parameter,
+        table,
+        phase,
+        bsdf,
+        library,
+        cells,
+        wall,
+        lamp,
+        led,
+        emission,
+        length,
+        polarised,
+        *sky,
     )
 
 

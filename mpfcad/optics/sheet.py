@@ -13,6 +13,7 @@ from mpfcad.optics.base.sampling import gaussian_pair, uniform
 #: The columns of a sheet in `Scene.parameter`: standard deviations along and across its axis, the
 #: axis, and the wide lobe with its share of the moves.
 SIGMA, INDEX, TRANSMISSION, ACROSS, COSINE, SINE, WIDE, SHARE = range(8)
+DEPOLARISATION = 9
 
 
 @kernel

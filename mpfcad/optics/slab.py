@@ -2,10 +2,11 @@
 
 import math
 
-from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
+from mpfcad.optics.stokes.interface import meet_interface
+from mpfcad.optics.stokes.state import depolarise
 
 #: The columns of a plate in `Scene.parameter`; `PHASE` is the row of its phase function or -1.
 INDEX, THICKNESS, SCATTERING, ABSORPTION, ASYMMETRY, BONDED, PHASE, INDEX_BELOW = range(8)
@@ -13,7 +14,7 @@ _MOST_STEPS = 1_000_000
 
 
 @kernel
-def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
+def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its
@@ -30,8 +31,10 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
     z = 0.0 if up else thickness
     if up or not bonded:
         outside = below if up else 1.0
-        reflectance, cos_out = fresnel(abs(dz), outside / index)
-        if uniform(rng) < reflectance:
+        mirrored, cos_out = meet_interface(
+            abs(dz), outside / index, 0.0, 0.0, 1.0, dx, dy, dz, light, rng
+        )
+        if mirrored:
             return (-1 if up else 1), x, y, dx, dy, -dz, 1.0
         dx, dy, dz = dx * outside / index, dy * outside / index, math.copysign(cos_out, dz)
     for _ in range(_MOST_STEPS):
@@ -49,14 +52,15 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, rng):
             z += step * dz
             cosine = scattering_cosine(phase, row, asymmetry, uniform(rng))
             dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+            depolarise(light)
             continue
         top = dz > 0.0
         z = thickness if top else 0.0
         if top and bonded:
             return 1, x, y, dx, dy, dz, math.exp(-absorption * travelled)
         ratio = index if top else index / below
-        reflectance, cos_out = fresnel(abs(dz), ratio)
-        if uniform(rng) < reflectance:
+        mirrored, cos_out = meet_interface(abs(dz), ratio, 0.0, 0.0, 1.0, dx, dy, dz, light, rng)
+        if mirrored:
             dz = -dz
             continue
         survival = math.exp(-absorption * travelled)

@@ -63,6 +63,8 @@ class MeasureSetting:
         of a pixel of the camera image over the mean
     cell
         of a cell of the panel's map over the mean
+    polarisation
+        of Q/I
     """
 
     direction: float
@@ -71,10 +73,11 @@ class MeasureSetting:
     screen: float
     pixel: float
     cell: float
+    polarisation: float
 
 
 MEASURE_SETTINGS = {
-    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015, 0.04),
-    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006, 0.015),
-    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003, 0.005),
+    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015, 0.04, 0.001),
+    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006, 0.015, 0.0003),
+    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003, 0.005, 0.0001),
 }

@@ -19,6 +19,7 @@ from mpfcad.record.measurement import (
     describe_estimate,
     describe_flux,
     describe_panel,
+    describe_polarisation,
     describe_uniformity,
     ratio,
 )
@@ -55,6 +56,7 @@ __all__ = [
     "describe_flux",
     "describe_luminance",
     "describe_panel",
+    "describe_polarisation",
     "describe_uniformity",
     "exit_code",
     "in_order",

@@ -14,11 +14,13 @@ from mpfcad.measure import (
     FluxResult,
     LuminanceResult,
     PanelResult,
+    PolarisationResult,
     UniformityResult,
     contrast_of_curve,
     harmonic_amplitude,
     relative_spread,
 )
+from mpfcad.measure.polarisation import ANGLES
 from mpfcad.record.luminance import describe_luminance
 from mpfcad.units import deg
 
@@ -133,6 +135,20 @@ def describe_panel(result: PanelResult) -> dict[str, Any]:
             name: describe_estimate(corner)
             for name, corner in zip(names, result.corner, strict=True)
         },
+        "paths": result.paths,
+    }
+
+
+def describe_polarisation(result: PolarisationResult) -> dict[str, Any]:
+    """Return the Stokes parameters of the normal light, and the luminance behind a polariser."""
+    return {
+        "luminance_cd_m2": describe_estimate(result.luminance),
+        "along_minus_across": describe_estimate(result.along),
+        "diagonal": describe_estimate(result.diagonal),
+        "circular": describe_estimate(result.circular),
+        "degree_of_polarisation": describe_estimate(result.degree),
+        "polariser_angle_deg": _degrees(ANGLES),
+        "behind_polariser_cd_m2": [describe_estimate(one) for one in result.behind],
         "paths": result.paths,
     }
 

@@ -32,7 +32,7 @@ def lambertian_pairs(n_in, n_out, slope, seed, out):
         start_path(rng, uint64(seed), uint64(9), uint64(i))
         dx, dy = disk(rng)
         dz = -np.sqrt(max(0.0, 1.0 - dx * dx - dy * dy))
-        _, _, _, z = surface.interface(n_in / n_out, slope, 0.0, 0.0, 1.0, dx, dy, dz, rng)
+        _, _, _, z = surface.interface(n_in / n_out, slope, 0.0, 0.0, 1.0, dx, dy, dz, None, rng)
         out[i, 0], out[i, 1] = -dz, z
 
 
@@ -43,7 +43,7 @@ def reflected(slope, dx, dz, seed, out):
     for i in range(len(out)):
         start_path(rng, uint64(seed), uint64(9), uint64(i))
         _, out[i, 0], out[i, 1], out[i, 2] = surface.interface(
-            1e6, slope, 0.0, 0.0, 1.0, dx, 0.0, dz, rng
+            1e6, slope, 0.0, 0.0, 1.0, dx, 0.0, dz, None, rng
         )
 
 

@@ -52,10 +52,13 @@ def _reflector(cavity: Cavity, d: Vector, rng: Philox) -> tuple[Vector, float]:
     """Return the direction after the reflector and the share of the light it leaves."""
     if cavity.brdf is not None:
         _, d, kept = scatter(cavity.brdf, cavity.blend, d, rng)
+        rng.depolarise()
         return (d[0], d[1], abs(d[2])), kept
     if rng() < cavity.specular_fraction:
+        rng.mirror((0.0, 0.0, 1.0))
         return (d[0], d[1], -d[2]), cavity.reflectance
     px, py = disk(rng)
+    rng.depolarise()
     return (px, py, math.sqrt(1 - px * px - py * py)), cavity.reflectance
 
 
@@ -141,7 +144,11 @@ def _panel_passage(
             weight *= share
             o = _onto(o, "xyz".index(what), panel, what == "z")
             mirror = tuple(-c if n else c for c, n in zip(d, normal, strict=True))
-            d = mirror if rng() < mirrored else lambertian(normal, rng)
+            if rng() < mirrored:
+                rng.mirror(normal)
+                d = mirror
+            else:
+                d = lambertian(normal, rng)
             if what == "z":
                 total += weight * cavity.lamp_luminance * _surplus(cavity, o[0], mirror, d)
         weight = roulette(weight, rng)

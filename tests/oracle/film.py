@@ -12,7 +12,6 @@ from oracle.ray import (
     dot,
     facet_distance,
     minus,
-    reflectance,
     refract,
     scattering_cosine,
 )
@@ -47,8 +46,12 @@ class ReferenceFilm:
     ) -> tuple[bool, Vector, Vector, float, float]:
         """Follow a ray until it leaves the film: (up, place, direction, weight, found)."""
         up, place, d = self._to_film(up, place, d)
+        rng.turn(-self.film.rotation)
+        rng.turn(0.0, self.film.flipped)
         self.path = {False: 0.0, True: 0.0}
         up, place, d = self._inside(up, place, d, rng)
+        rng.turn(0.0, self.film.flipped)
+        rng.turn(self.film.rotation)
         up, place, d = self._to_stack(up, place, d)
         depth = self.film.absorption * self.path[False] + self._resin_absorption * self.path[True]
         return up, place, d, weight * math.exp(-depth), 0.0
@@ -86,7 +89,7 @@ class ReferenceFilm:
         if up:
             o = (place[0], place[1], 0.0)
         if up and film.mesh.underside:
-            if rng() < reflectance(abs(d[2]), film.index_below, film.index):
+            if rng.reflects(d, (0.0, 0.0, 1.0), film.index_below, film.index):
                 return False, o, (d[0], d[1], -d[2])
             d = refract(d, (0.0, 0.0, -1.0), film.index_below, film.index)
             inside = True
@@ -110,6 +113,7 @@ class ReferenceFilm:
                 o = tuple(a + flown * b for a, b in zip(o, d, strict=True))
                 cosine = scattering_cosine(film.resin.phase, film.resin.asymmetry, rng())
                 d = about(d, cosine, 2 * math.pi * rng())
+                rng.depolarise()
                 continue
             if prism is not None:
                 o = tuple(a + reach * b for a, b in zip(o, d, strict=True))
@@ -135,7 +139,7 @@ class ReferenceFilm:
             if not inside:
                 return d[2] > 0, o, d
             in_resin = False
-            if rng() < reflectance(abs(d[2]), film.index, film.index_below):
+            if rng.reflects(d, (0.0, 0.0, 1.0), film.index, film.index_below):
                 d = (d[0], d[1], -d[2])
                 continue
             return False, o, refract(d, (0.0, 0.0, 1.0), film.index, film.index_below)
@@ -191,7 +195,7 @@ class ReferenceFilm:
         if slope > 0 and n_in != n_out:
             return rough_interface(n_in, n_out, slope, normal, d, rng)
         facing = normal if dot(d, normal) < 0 else tuple(-c for c in normal)
-        if rng() < reflectance(abs(dot(d, normal)), n_in, n_out):
+        if rng.reflects(d, normal, n_in, n_out):
             twice = 2 * dot(d, normal)
             return False, tuple(a - twice * b for a, b in zip(d, normal, strict=True))
         return True, refract(d, facing, n_in, n_out)

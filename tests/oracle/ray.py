@@ -33,6 +33,29 @@ class Philox:
             self.ready = [((a << 32 | b) >> 11) * 2.0**-53, ((c << 32 | d) >> 11) * 2.0**-53]
         return self.ready.pop(0)
 
+    def reflects(self, d: Vector, n: Vector, n_in: float, n_out: float) -> bool:
+        """Return whether a ray is reflected at an interface of normal n, by the next number."""
+        return self() < reflectance(abs(dot(d, n)), n_in, n_out)
+
+    def depolarise(self) -> None:
+        """Make light unpolarised: this light always is (`PolarisedPhilox`)."""
+
+    def mirror(self, n: Vector) -> None:
+        """Reflect the light's state as a perfect mirror of normal n does."""
+
+    def scatter(self, d: Vector, k: Vector, passed: bool, kept: float) -> None:
+        """Carry the light's state from direction d to k; `kept` of its polarisation stays."""
+
+    def start(self, d: Vector) -> None:
+        """Start a path along d."""
+
+    def turn(self, angle: float, flipped: bool = False) -> None:
+        """Turn the light's state about z, or upside down."""
+
+    def seen(self, radiance: float) -> float:
+        """Return what a meter sees of a radiance that the path has found."""
+        return radiance
+
     def _of_net(self, stream: int, net: int, index: int) -> list[float]:
         a, b, _, _ = self._words([0xFFFFFFFF, stream, net & 0xFFFFFFFF, net >> 32])
         key, numbers = (a << 32 | b) // NET * NET, []
@@ -138,6 +161,7 @@ def about(axis: Vector, cosine: float, azimuth: float) -> Vector:
 def lambertian(normal: Vector, rng: Philox) -> Vector:
     """Return a cosine-weighted direction about a normal."""
     px, py = disk(rng)
+    rng.depolarise()
     return about(normal, math.sqrt(1 - px * px - py * py), math.atan2(py, px))
 
 

@@ -8,7 +8,7 @@ import math
 
 from scipy.optimize import brentq
 
-from oracle.ray import Philox, Vector, about, dot, reflectance, refract
+from oracle.ray import Philox, Vector, about, dot, refract
 
 
 def rough_interface(
@@ -25,14 +25,19 @@ def rough_interface(
         if height >= 1:
             break
         m = _microfacet(tuple(-c for c in w), slope, rng)
-        if rng() < reflectance(-dot(w, m), n_in, n_out):
+        if rng.reflects(_in_axes(w, side, axes), _in_axes(m, side, axes), n_in, n_out):
             w = tuple(a - 2 * dot(w, m) * b for a, b in zip(w, m, strict=True))
             continue
         w = refract(w, m, n_in, n_out)
         w, height, side = (w[0], w[1], -w[2]), -height, -side
         n_in, n_out, passed = n_out, n_in, not passed
+    return passed, _in_axes(w, side, axes)
+
+
+def _in_axes(w: Vector, side: float, axes: tuple[Vector, Vector, Vector]) -> Vector:
+    """Return a vector of the surface's axes in the scene's."""
     up = side * w[2]
-    return passed, tuple(w[0] * a + w[1] * b + up * c for a, b, c in zip(*axes, strict=True))
+    return tuple(w[0] * a + w[1] * b + up * c for a, b, c in zip(*axes, strict=True))
 
 
 def _next_height(w: Vector, height: float, slope: float, u: float) -> float:

@@ -8,6 +8,7 @@ numbers in the same order as `engine`, so that single paths can be compared, not
 import math
 
 from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
+from mpfcad.optics.stokes.plane import PlaneLayer
 from oracle.bsdf import scatter
 from oracle.cavity import cavity_passage
 from oracle.film import ReferenceFilm
@@ -49,19 +50,20 @@ class ReferenceTracer:
         y += (rng() - 0.5) * (spot_along or self.length)
         place, d = (x, y, 0.0), self._look(tilt, acceptance, disk(rng))
         weight, total = 1.0, 0.0
+        rng.start(d)
         number, up = len(self.elements) - 1, False
         while True:
             if number < 0:
-                return total + weight * self.below
+                return total + rng.seen(weight * self.below)
             if number == len(self.elements):
-                return total + weight * self.above
+                return total + rng.seen(weight * self.above)
             element = self.elements[number]
             pass_through = {
                 Cavity: cavity_passage, Slab: self._slab, Sheet: self._sheet, Film: self._film,
-                BsdfSheet: self._bsdf,
+                BsdfSheet: self._bsdf, PlaneLayer: self._plane,
             }[type(element)]  # fmt: skip
             up, place, d, weight, found = pass_through(element, up, place, d, weight, rng)
-            total += found
+            total += rng.seen(found)
             if self.panel and not self._is_over(place):
                 return total
             weight = roulette(weight, rng)
@@ -107,12 +109,22 @@ class ReferenceTracer:
             kz = math.sqrt(1 - kx * kx - ky * ky)
             r1, r2 = (reflectance(c, 1.0, sheet.index) for c in (abs(d[2]), kz))
             if accept < (1 - r1) * (1 - r2) / (1 - r1 * r2):
-                return up, place, (kx, ky, math.copysign(kz, d[2])), weight, 0.0
-        return not up, place, (d[0], d[1], -d[2]), weight, 0.0
+                k = (kx, ky, math.copysign(kz, d[2]))
+                rng.scatter(d, k, True, 1 - sheet.depolarisation)
+                return up, place, k, weight, 0.0
+        k = (d[0], d[1], -d[2])
+        rng.scatter(d, k, False, 1 - sheet.depolarisation)
+        return not up, place, k, weight, 0.0
+
+    @staticmethod
+    def _plane(layer, up, place, d, weight, rng):
+        passed, left = rng.splits(layer, d)
+        return passed == up, place, (d if passed else (d[0], d[1], -d[2])), weight * left, 0.0
 
     @staticmethod
     def _bsdf(sheet, up, place, d, weight, rng):
         passed, d, kept = scatter(sheet.table, sheet.blend, d, rng)
+        rng.depolarise()
         return passed == up, place, d, weight * kept, 0.0
 
     @staticmethod
@@ -120,7 +132,7 @@ class ReferenceTracer:
         x, y, z = place[0], place[1], 0.0 if up else slab.thickness
         if up or not slab.bonded:
             outside = slab.index_below if up else 1.0
-            if rng() < reflectance(abs(d[2]), outside, slab.index):
+            if rng.reflects(d, (0.0, 0.0, 1.0), outside, slab.index):
                 return not up, place, (d[0], d[1], -d[2]), weight, 0.0
             d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), outside, slab.index)
         while True:
@@ -132,13 +144,14 @@ class ReferenceTracer:
             if free < face:
                 cosine = scattering_cosine(slab.phase, slab.asymmetry, rng())
                 d = about(d, cosine, 2 * math.pi * rng())
+                rng.depolarise()
                 continue
             up = d[2] > 0
             z = slab.thickness if up else 0.0
             if up and slab.bonded:
                 return True, (x, y, 0.0), d, weight, 0.0
             outside = 1.0 if up else slab.index_below
-            if rng() < reflectance(abs(d[2]), slab.index, outside):
+            if rng.reflects(d, (0.0, 0.0, 1.0), slab.index, outside):
                 d = (d[0], d[1], -d[2])
                 continue
             d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), slab.index, outside)

@@ -32,8 +32,8 @@ def command(
         typer.Option(
             "--what",
             metavar="A,B,…",
-            help="What to measure: contrast, angular, conoscope, flux, uniformity, camera, panel "
-            "[default: all that the stack has].",
+            help="What to measure: contrast, angular, conoscope, flux, uniformity, camera, panel, "
+            "polarisation [default: all that the stack has].",
         ),
     ] = None,
     seed: Seed = 1,

@@ -1,6 +1,7 @@
 """How uneven the luminance over a lamp pitch is, from its Fourier series: robust to noise."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.measure.contrast.fit import HarmonicFit
 from mpfcad.measure.estimate import TAIL, Estimate, reach
@@ -20,6 +21,26 @@ def harmonic_amplitude(fit: HarmonicFit, order: int) -> Estimate:
 def relative_spread(fit: HarmonicFit) -> Estimate:
     """Return σ/mean of the luminance over the pitch, √(½ Σ (a² + b²))/c0 (Parseval)."""
     return _root_power(fit, slice(1, None), np.sqrt(0.5))
+
+
+def vector_length(
+    vector: NDArray[np.float64], covariance: NDArray[np.float64], freedom: float
+) -> Estimate:
+    """Return the length of a noisy vector, (n,) and (n, n), with its interval that ends at 0.
+
+    Its noise is taken as alike in all directions, of the variance along the vector; the power that
+    noise alone gives, tr V, is taken off.
+    """
+    power = float(vector @ vector)
+    if power == 0.0 or np.trace(covariance) == 0.0:
+        length = float(np.sqrt(power))
+        return Estimate(length, length, length, 0.0)
+    unit = float(np.sqrt(vector @ covariance @ vector / power))
+    low, high = (unit * end for end in _length(power / unit**2, len(vector)))
+    wider, read = reach(freedom) / reach(), float(np.sqrt(power))
+    ends = (read - wider * (read - low) if low > 0 else 0.0, read + wider * (high - read))
+    value = float(np.sqrt(max(power - np.trace(covariance), 0.0)))
+    return Estimate.within(value, max(ends[0], 0.0), ends[1])
 
 
 def _root_power(fit: HarmonicFit, columns: slice, scale: float) -> Estimate:

@@ -42,6 +42,13 @@ class Tally(NamedTuple):
         radiance, square, paths = np.zeros(points), np.zeros(points), np.zeros(points)
         return cls(radiance, square, paths, np.zeros(flows), np.zeros(flows), 0, 0)
 
+    @classmethod
+    def of_block(cls, radiance: NDArray[np.float64], flow: NDArray[np.float64]) -> "Tally":
+        """Return the tally of one block; radiance (n, p) float64 is overwritten, flow (f,) kept."""
+        score = radiance.sum(axis=0)
+        score2 = np.square(radiance, out=radiance).sum(axis=0)
+        return cls(score, score2, score**2, flow, flow**2, len(radiance), 1)
+
     def __add__(self, other: "Tally") -> "Tally":  # type: ignore[override]  # sums, not joins
         """Return the tally of both."""
         pairs: Any = zip(self, other, strict=True)

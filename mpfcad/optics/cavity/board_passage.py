@@ -24,6 +24,7 @@ from mpfcad.optics.cavity.endless import (
     lambertian,
     reflector_direction,
 )
+from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
 #: mm² in a m²: luminances are in cd/m², lengths in mm.
@@ -40,7 +41,7 @@ def led_luminance(scene, number, dx, dy, dz):
 
 
 @kernel
-def over_board(scene, x, y, z, dx, dy, dz, weight, flow, rng):
+def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng):
     """Follow a ray over the board until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     parameter = scene.parameter[0]
     radiance = 0.0
@@ -54,6 +55,7 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, rng):
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LED_REFLECTANCE])
             weight *= parameter[LED_REFLECTANCE]
             dx, dy, dz = lambertian(nx, ny, 1.0 if what == LED_TOP else 0.0, rng)
+            depolarise(light)
         elif what == REFLECTOR:
             before = weight
             reflectance, hole = board_reflectance(parameter, scene.led, x, y)
@@ -62,10 +64,11 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, rng):
                 _, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
                 weight *= survival
                 dz = abs(dz)
+                depolarise(light)
             else:
                 weight *= reflectance
                 share = 0.0 if hole else parameter[SPECULAR_FRACTION]
-                _, dx, dy, dz = reflector_direction(share, dx, dy, dz, rng)
+                _, dx, dy, dz = reflector_direction(share, dx, dy, dz, light, rng)
             flow[FLOW_ELEMENTS] += before - weight
         else:
             break

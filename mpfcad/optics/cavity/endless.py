@@ -5,6 +5,7 @@ import math
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import any_of, floor, magnitude, root, select
 from mpfcad.optics.base.sampling import disk, frame, uniform
+from mpfcad.optics.stokes.state import depolarise, mirror_light
 
 LAMP, REFLECTOR, OPENING, LOST = range(4)
 #: The columns of a cavity in `Scene.parameter`.
@@ -86,10 +87,12 @@ def lambertian(nx, ny, nz, rng):
 
 
 @kernel
-def reflector_direction(specular_fraction, dx, dy, dz, rng):
+def reflector_direction(specular_fraction, dx, dy, dz, light, rng):
     """Return whether the reflector mirrors a ray (else Lambertian), and its direction after."""
     if uniform(rng) < specular_fraction:
+        mirror_light(light, 0.0, 0.0, 1.0)
         return True, dx, dy, -dz
+    depolarise(light)
     px, py = disk(rng)
     return False, px, py, math.sqrt(max(0.0, 1.0 - px * px - py * py))
 

@@ -22,6 +22,7 @@ from mpfcad.optics.cavity.endless import (
     REFLECTOR,
     lambertian,
 )
+from mpfcad.optics.stokes.state import depolarise, mirror_light
 
 NO_WALL = np.array([-np.inf, np.inf, -np.inf, np.inf, 0.0, 0.0, np.inf])
 #: The columns of `Panel.arrays`: of the walls, and of each lamp.
@@ -139,11 +140,13 @@ def panel_hit(parameter, wall, lamp, x, y, z, dx, dy, dz, own):
 
 
 @kernel
-def wall_direction(what, specular_fraction, dx, dy, dz, rng):
+def wall_direction(what, specular_fraction, dx, dy, dz, light, rng):
     """Return the direction after a side wall: mirrored or Lambertian."""
     across = what == WALL_ACROSS
     if uniform(rng) < specular_fraction:
+        mirror_light(light, 1.0 if across else 0.0, 0.0 if across else 1.0, 0.0)
         return (-dx if across else dx), (dy if across else -dy), dz
+    depolarise(light)
     if across:
         return lambertian(-math.copysign(1.0, dx), 0.0, 0.0, rng)
     return lambertian(0.0, -math.copysign(1.0, dy), 0.0, rng)

@@ -35,12 +35,13 @@ from mpfcad.optics.cavity.finite import (
     panel_hit,
     wall_direction,
 )
+from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
 
 
 @kernel
-def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance).
 
     `lamp` is the emitter that the ray starts on, at (x, y, z), or `NO_LAMP`: it comes from above.
@@ -48,12 +49,12 @@ def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
     if lamp == NO_LAMP:
         z = scene.parameter[0, HEIGHT]
     if len(scene.led) > 0:
-        return over_board(scene, x, y, z, dx, dy, dz, weight, flow, rng)
-    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng)
+        return over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng)
+    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng)
 
 
 @kernel
-def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
+def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     parameter = scene.parameter[0]
     finite = len(scene.lamp) > 0
@@ -79,6 +80,7 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             nx = (x - centre) / parameter[LAMP_RADIUS]
             nz = (z - parameter[LAMP_HEIGHT]) / parameter[LAMP_RADIUS]
             dx, dy, dz = lambertian(nx, 0.0, nz, rng)
+            depolarise(light)
         elif what == REFLECTOR:
             before = weight
             lamp = NO_LAMP
@@ -87,6 +89,7 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
                 _, dx, dy, dz, survival = bsdf_passage(scene.bsdf, table, dx, dy, dz, rng)
                 weight *= survival
                 dz = abs(dz)
+                depolarise(light)
             else:
                 weight *= parameter[REFLECTANCE]
                 if not finite:
@@ -95,7 +98,7 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
                     first, last = int(nearest) - 1, int(nearest) + 1
                 come = dx / math.sqrt(dx * dx + dz * dz)
                 mirrored, dx, dy, dz = reflector_direction(
-                    parameter[SPECULAR_FRACTION], dx, dy, dz, rng
+                    parameter[SPECULAR_FRACTION], dx, dy, dz, light, rng
                 )
                 if mirrored and not finite:
                     first, last = ALL_COUNTED
@@ -108,13 +111,16 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, rng):
             flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])
             weight *= scene.wall[WALL_REFLECTANCE]
             lamp = NO_LAMP
-            dx, dy, dz = wall_direction(what, scene.wall[WALL_SPECULAR_FRACTION], dx, dy, dz, rng)
+            dx, dy, dz = wall_direction(
+                what, scene.wall[WALL_SPECULAR_FRACTION], dx, dy, dz, light, rng
+            )
         elif what == LAMP_END:
             # The ends hold the electrodes: they reflect like the tube and do not shine.
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
             lamp = number
             dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
+            depolarise(light)
         else:
             break
         weight = roulette(weight, flow, rng)

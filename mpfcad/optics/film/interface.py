@@ -13,9 +13,9 @@ on nothing else of the heights.
 
 import math
 
-from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.sampling import frame, gaussian_pair, uniform
+from mpfcad.optics.stokes.interface import meet_interface
 
 #: Microfacets after which a ray is taken to leave the surface.
 _MOST = 10_000
@@ -38,18 +38,17 @@ def unit(dx, dy, dz):
 
 
 @kernel
-def interface(ratio, slope, nx, ny, nz, dx, dy, dz, rng):
+def interface(ratio, slope, nx, ny, nz, dx, dy, dz, light, rng):
     """Pass or reflect a ray at a surface of unit normal n: (mirrored, dx, dy, dz).
 
     `ratio`: index on the ray's side over that beyond; `slope`: root mean square slope of the
     surface in each direction, 0 where it is smooth.
     """
     if slope > 0.0 and ratio != 1.0:
-        return _rough(ratio, slope, nx, ny, nz, dx, dy, dz, rng)
+        return _rough(ratio, slope, nx, ny, nz, dx, dy, dz, light, rng)
     approach = dx * nx + dy * ny + dz * nz
     cos_in = min(1.0, abs(approach))
-    reflectance, cos_out = fresnel(cos_in, ratio)
-    mirrored = uniform(rng) < reflectance
+    mirrored, cos_out = meet_interface(cos_in, ratio, nx, ny, nz, dx, dy, dz, light, rng)
     bend = -2.0 * approach if mirrored else math.copysign(cos_out, approach) - ratio * approach
     scale = 1.0 if mirrored else ratio
     dx, dy, dz = unit(scale * dx + bend * nx, scale * dy + bend * ny, scale * dz + bend * nz)
@@ -57,7 +56,7 @@ def interface(ratio, slope, nx, ny, nz, dx, dy, dz, rng):
 
 
 @kernel
-def _rough(ratio, slope, nx, ny, nz, dx, dy, dz, rng):
+def _rough(ratio, slope, nx, ny, nz, dx, dy, dz, light, rng):
     """Pass or reflect a ray at a rough surface, as `interface` does.
 
     In the surface's own axes w is the direction, its third component along the normal of the side
@@ -75,8 +74,13 @@ def _rough(ratio, slope, nx, ny, nz, dx, dy, dz, rng):
             break
         mx, my, mz = microfacet(-wx, -wy, -wz, slope, rng)
         approach = wx * mx + wy * my + wz * mz
-        reflectance, cos_out = fresnel(min(1.0, abs(approach)), ratio)
-        if uniform(rng) < reflectance:
+        # Normal and direction in the scene's axes, to which the light's state refers.
+        kx, ky, kz = in_axes(wx, wy, side * wz, ax, ay, az, bx, by, bz, nx, ny, nz)
+        sx, sy, sz = in_axes(mx, my, side * mz, ax, ay, az, bx, by, bz, nx, ny, nz)
+        back, cos_out = meet_interface(
+            min(1.0, abs(approach)), ratio, sx, sy, sz, kx, ky, kz, light, rng
+        )
+        if back:
             bend = -2.0 * approach
             wx, wy, wz = unit(wx + bend * mx, wy + bend * my, wz + bend * mz)
             continue
@@ -84,12 +88,17 @@ def _rough(ratio, slope, nx, ny, nz, dx, dy, dz, rng):
         wx, wy, wz = unit(ratio * wx + bend * mx, ratio * wy + bend * my, ratio * wz + bend * mz)
         # On the other side the surface lies upside down.
         wz, level, ratio, side, mirrored = -wz, 1.0 - level, 1.0 / ratio, -side, not mirrored
-    up = side * wz
+    dx, dy, dz = in_axes(wx, wy, side * wz, ax, ay, az, bx, by, bz, nx, ny, nz)
+    return mirrored, dx, dy, dz
+
+
+@kernel
+def in_axes(u, v, w, ax, ay, az, bx, by, bz, nx, ny, nz):
+    """Return u a + v b + w n."""
     return (
-        mirrored,
-        wx * ax + wy * bx + up * nx,
-        wx * ay + wy * by + up * ny,
-        wx * az + wy * bz + up * nz,
+        u * ax + v * bx + w * nx,
+        u * ay + v * by + w * ny,
+        u * az + v * bz + w * nz,
     )
 
 

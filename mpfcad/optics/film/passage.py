@@ -2,7 +2,6 @@
 
 import math
 
-from mpfcad.optics.base.fresnel import fresnel
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.sampling import turn, uniform
@@ -10,6 +9,8 @@ from mpfcad.optics.film.interface import interface
 from mpfcad.optics.film.resin import collision_distance, is_resin, segment_amid
 from mpfcad.optics.search.tile import CHAIN, next_facet
 from mpfcad.optics.search.tile_table import tile_of
+from mpfcad.optics.stokes.interface import meet_interface
+from mpfcad.optics.stokes.state import depolarise, turn_light, turn_light_back
 
 #: The columns of a film in `Scene.parameter`: of its prisms, then of its resin. `RESIN_INDEX` is 0
 #: where the resin is of the prisms' index and absorption.
@@ -21,16 +22,18 @@ MOST_HITS = 100_000
 
 
 @kernel
-def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
+def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz, survival).
 
-    `parameter` is that of the film's element.
+    `parameter` is that of the film's element; `light` the state of polarised light, or None.
     """
     width = tiles.size[int(parameter[TILE]), 0]
+    turn_light(light, parameter[COSINE], parameter[SINE], parameter[FLIPPED] != 0.0)
     up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
     way, x, y, dx, dy, dz, survival = film_passage(
-        tiles, phase, parameter, up, x, y, dx, dy, dz, rng
+        tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng
     )
+    turn_light_back(light, parameter[COSINE], parameter[SINE], parameter[FLIPPED] != 0.0)
     way, x, y, dx, dy, dz = out_of_film(parameter, width, way, x, y, dx, dy, dz)
     return way, x, y, dx, dy, dz, survival
 
@@ -63,7 +66,7 @@ def out_of_film(parameter, width, way, x, y, dx, dy, dz):
 
 
 @kernel
-def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
+def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz, survival).
 
     `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
@@ -89,7 +92,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
     if up:
         z = 0.0
     if up and tile.underside:
-        entered, dx, dy, dz = underside(index_below, index, dx, dy, dz, rng)
+        entered, dx, dy, dz = underside(index_below, index, dx, dy, dz, light, rng)
         if not entered:
             return -1, x + base_x, y + base_y, dx, dy, dz, 1.0
         inside = True
@@ -122,6 +125,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
                 phase, int(parameter[PHASE]), parameter[ASYMMETRY], uniform(rng)
             )
             dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
+            depolarise(light)
             k, amid = -1, True
             continue
         behind, beyond = index, 1.0
@@ -140,7 +144,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         if meets or k >= 0:
             rough = 0.0 if in_resin and not meets else parameter[ROUGHNESS]
             ratio = behind / beyond if inside else beyond / behind
-            mirrored, dx, dy, dz = interface(ratio, rough, nx, ny, nz, dx, dy, dz, rng)
+            mirrored, dx, dy, dz = interface(ratio, rough, nx, ny, nz, dx, dy, dz, light, rng)
             if meets:
                 in_resin = in_resin == mirrored
                 k, amid = -1, True
@@ -161,7 +165,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
         x = min(max(x - tiles_on, 0.0), tile.width)
         base_x += tiles_on
         in_resin = False
-        left, dx, dy, dz = underside(index, index_below, dx, dy, dz, rng)
+        left, dx, dy, dz = underside(index, index_below, dx, dy, dz, light, rng)
         if left:
             survival = math.exp(-absorption * travelled - parameter[RESIN_ABSORPTION] * soaked)
             return -1, x + base_x, y + base_y, dx, dy, dz, survival
@@ -169,11 +173,11 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, rng):
 
 
 @kernel
-def underside(index_in, index_out, dx, dy, dz, rng):
+def underside(index_in, index_out, dx, dy, dz, light, rng):
     """Pass or reflect a ray at the flat underside: (passed, dx, dy, dz)."""
     ratio = index_in / index_out
-    reflectance, cos_out = fresnel(abs(dz), ratio)
-    if uniform(rng) < reflectance:
+    mirrored, cos_out = meet_interface(abs(dz), ratio, 0.0, 0.0, 1.0, dx, dy, dz, light, rng)
+    if mirrored:
         return False, dx, dy, -dz
     return True, ratio * dx, ratio * dy, math.copysign(cos_out, dz)
 
@@ -220,8 +224,8 @@ def prism_ahead(prism, x, y, z, dx, dy, dz, in_resin):
 
 
 @kernel
-def facet(index, inside, nx, ny, nz, dx, dy, dz, rng):
+def facet(index, inside, nx, ny, nz, dx, dy, dz, light, rng):
     """Pass or reflect a ray at a smooth facet of outward normal n: (inside, dx, dy, dz)."""
     ratio = index if inside else 1.0 / index
-    mirrored, dx, dy, dz = interface(ratio, 0.0, nx, ny, nz, dx, dy, dz, rng)
+    mirrored, dx, dy, dz = interface(ratio, 0.0, nx, ny, nz, dx, dy, dz, light, rng)
     return inside == mirrored, dx, dy, dz

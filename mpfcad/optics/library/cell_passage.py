@@ -10,9 +10,11 @@ import math
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.film.passage import (
+    COSINE,
     INDEX,
     INDEX_BELOW,
     OFFSET,
+    SINE,
     facet,
     into_film,
     out_of_film,
@@ -21,6 +23,7 @@ from mpfcad.optics.film.passage import (
 from mpfcad.optics.film.passage import TILE as CELLS
 from mpfcad.optics.library.piece import HIGH, LENGTH, LOW, PITCH
 from mpfcad.optics.library.top import BUCKETS
+from mpfcad.optics.stokes.state import turn_light, turn_light_back
 
 _MOST_STEPS = 10_000_000
 #: Two cells whose tops differ by less [mm] at a place are one surface there.
@@ -28,10 +31,12 @@ _SAME = 1e-9
 
 
 @kernel
-def placed_cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
+def placed_cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz)."""
     up, x, y, dx, dy, dz = into_film(parameter, 0.0, up, x, y, dx, dy, dz)
-    way, x, y, dx, dy, dz = cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng)
+    turn_light(light, parameter[COSINE], parameter[SINE], False)
+    way, x, y, dx, dy, dz = cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng)
+    turn_light_back(light, parameter[COSINE], parameter[SINE], False)
     return out_of_film(parameter, 0.0, way, x, y, dx, dy, dz)
 
 
@@ -78,7 +83,7 @@ def _over(cells, kind, size, u, v):
 
 
 @kernel
-def cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
+def cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray until it leaves the film: (way, x, y, dx, dy, dz), as `film_passage`."""
     row = int(parameter[CELLS])
     index, below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
@@ -90,7 +95,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
     way = 0
     if up:
         z = 0.0
-        inside, dx, dy, dz = underside(below, index, dx, dy, dz, rng)
+        inside, dx, dy, dz = underside(below, index, dx, dy, dz, light, rng)
         if not inside:
             return -1, x, y, dx, dy, dz
     t, kind = -1, 0
@@ -103,7 +108,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
             u, v = u + flight * dx, v + flight * dy
             if dz < 0.0:
                 z = 0.0
-                left, dx, dy, dz = underside(index, below, dx, dy, dz, rng)
+                left, dx, dy, dz = underside(index, below, dx, dy, dz, light, rng)
                 if left:
                     way = -1
                     break
@@ -135,7 +140,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
             z = _height(cells, t, u, v)
             norm = 1.0 / math.sqrt(1.0 + rise_x * rise_x + rise_y * rise_y)
             inside, dx, dy, dz = facet(
-                index, inside, -rise_x * norm, -rise_y * norm, norm, dx, dy, dz, rng
+                index, inside, -rise_x * norm, -rise_y * norm, norm, dx, dy, dz, light, rng
             )
         elif flight == flat_end:
             if not inside:
@@ -161,7 +166,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, rng):
                 was = inside
                 toward = float(step) if inside else -float(step)
                 nx, ny = (toward, 0.0) if side < 2 else (0.0, toward)
-                inside, dx, dy, dz = facet(index, inside, nx, ny, 0.0, dx, dy, dz, rng)
+                inside, dx, dy, dz = facet(index, inside, nx, ny, 0.0, dx, dy, dz, light, rng)
                 if inside == was:
                     continue
             i, j, u, v, kind, t = i + a, j + b, p, q, other, n

@@ -9,9 +9,11 @@ import math
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.film.passage import (
+    COSINE,
     INDEX,
     INDEX_BELOW,
     OFFSET,
+    SINE,
     facet,
     into_film,
     out_of_film,
@@ -19,6 +21,7 @@ from mpfcad.optics.film.passage import (
 )
 from mpfcad.optics.film.passage import TILE as LIBRARY
 from mpfcad.optics.library.piece import HIGH, LENGTH, LOW, PITCH
+from mpfcad.optics.stokes.state import turn_light, turn_light_back
 
 _MOST_STEPS = 10_000_000
 #: Two pieces whose tops differ by less [mm] at a place are one surface there.
@@ -26,10 +29,12 @@ _SAME = 1e-9
 
 
 @kernel
-def placed_library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
+def placed_library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz)."""
     up, x, y, dx, dy, dz = into_film(parameter, 0.0, up, x, y, dx, dy, dz)
-    way, x, y, dx, dy, dz = library_passage(library, parameter, up, x, y, dx, dy, dz, rng)
+    turn_light(light, parameter[COSINE], parameter[SINE], False)
+    way, x, y, dx, dy, dz = library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng)
+    turn_light_back(light, parameter[COSINE], parameter[SINE], False)
     return out_of_film(parameter, 0.0, way, x, y, dx, dy, dz)
 
 
@@ -59,7 +64,7 @@ def _slope(library, k):
 
 
 @kernel
-def library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
+def library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng):
     """Follow a ray until it leaves the film: (way, x, y, dx, dy, dz), as `film_passage`."""
     row = int(parameter[LIBRARY])
     index, below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
@@ -70,7 +75,7 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
     z = high
     if up:
         z = 0.0
-        entered, dx, dy, dz = underside(below, index, dx, dy, dz, rng)
+        entered, dx, dy, dz = underside(below, index, dx, dy, dz, light, rng)
         if not entered:
             return -1, x + offset, y, dx, dy, dz
         inside = True
@@ -85,7 +90,7 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
             x, y = x + flight * dx, y + flight * dy
             if dz < 0.0:
                 z = 0.0
-                left, dx, dy, dz = underside(index, below, dx, dy, dz, rng)
+                left, dx, dy, dz = underside(index, below, dx, dy, dz, light, rng)
                 if left:
                     return -1, x + offset, y, dx, dy, dz
                 continue
@@ -117,7 +122,9 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
         if flight == hit:
             z = library.z[k] + slope * (u - library.x[k])
             norm = 1.0 / math.sqrt(1.0 + slope * slope)
-            inside, dx, dy, dz = facet(index, inside, -slope * norm, 0.0, norm, dx, dy, dz, rng)
+            inside, dx, dy, dz = facet(
+                index, inside, -slope * norm, 0.0, norm, dx, dy, dz, light, rng
+            )
         elif flight == flat_end:
             if not inside:
                 return 1, x + offset, y, dx, dy, dz
@@ -133,7 +140,9 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, rng):
                     # A wall: its solid side is this one's when the ray is inside.
                     normal = 1.0 if (step > 0) == inside else -1.0
                     was = inside
-                    inside, dx, dy, dz = facet(index, inside, 0.0, normal, 0.0, dx, dy, dz, rng)
+                    inside, dx, dy, dz = facet(
+                        index, inside, 0.0, normal, 0.0, dx, dy, dz, light, rng
+                    )
                     if inside == was:
                         continue
                 piece, k = other, n

@@ -4,7 +4,7 @@ import json
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mpfcad.backlight import Quantity, Stack, read_stack
@@ -95,11 +95,11 @@ def mesh_case(mesh: Path | None, stack: Stack, offset: float) -> Case:
     return Case(name, film, lit, lambda _: (stack, path), lambda: own)
 
 
-def baseline_case() -> Case:
-    """Return a plain BEF in the conventional stack: what every case is compared with."""
+def baseline_case(polarised: bool = False) -> Case:
+    """Return a plain BEF in the conventional stack, in like light: what cases are compared with."""
     from mpfcad.pipeline.run.examine import BASELINE_PRESET
 
-    return plain_case(read_stack(BASELINE_PRESET))
+    return plain_case(replace(read_stack(BASELINE_PRESET), polarised=polarised))
 
 
 def write_plain(stack: Stack, mesh: Path) -> None:

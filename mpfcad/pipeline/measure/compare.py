@@ -49,7 +49,7 @@ def compare_cases(
     if confidence:
         for case in cases:
             refuse_confidence(case.lit.stack)
-    bases = plain_cases(cases[0].lit) if is_cell else [baseline_case()]
+    bases = plain_cases(cases[0].lit) if is_cell else [baseline_case(cases[0].lit.stack.polarised)]
     known = [base.lit.case for base in bases]
     others = [case for case in cases if case.lit.case not in known]
     what = _CELL_WHAT if is_cell else _WHAT

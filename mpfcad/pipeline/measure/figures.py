@@ -20,7 +20,7 @@ from mpfcad.pipeline.progress import Progress
 from mpfcad.store import Store, work_key
 
 #: What can be measured, in the order of the page.
-WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel")
+WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel", "polarisation")
 #: Of them what is measured under LEDs.
 CELL_WHAT = ("contrast", "angular", "conoscope", "flux")
 
@@ -159,6 +159,13 @@ def _panel(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     return describe_panel(panel_luminance(lit, run, MEASURE_SETTINGS[effort].cell))
 
 
+def _polarisation(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import polarisation
+    from mpfcad.record import describe_polarisation
+
+    return describe_polarisation(polarisation(lit, run, MEASURE_SETTINGS[effort].polarisation))
+
+
 _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "contrast": _contrast,
     "angular": _angular,
@@ -167,4 +174,5 @@ _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "uniformity": _uniformity,
     "camera": _camera,
     "panel": _panel,
+    "polarisation": _polarisation,
 }

@@ -37,7 +37,8 @@ def default_what(case: Case) -> tuple[str, ...]:
     """Return everything that can be measured on a case."""
     if case.lit.is_cell:
         return CELL_WHAT
-    return WHAT if case.lit.is_finite else tuple(name for name in WHAT if name != "panel")
+    lacks = {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised}
+    return tuple(name for name in WHAT if not lacks.get(name))
 
 
 def measure_film(
@@ -60,7 +61,7 @@ def measure_film(
         that repeats without end, or what is not measured under LEDs, or the confidence of what
         has none.
     """
-    from mpfcad.measure import check_finite
+    from mpfcad.measure import check_finite, refuse_unpolarised
     from mpfcad.report import write_measure_page, write_pictures
 
     wrong = [name for name in what if name not in CELL_WHAT]
@@ -70,6 +71,8 @@ def measure_film(
         )
     if "panel" in what:
         check_finite(case.lit)
+    if "polarisation" in what:
+        refuse_unpolarised(case.lit)
     if confidence:
         refuse_confidence(case.lit.stack)
         if "contrast" not in what:
@@ -101,7 +104,7 @@ def measurement(
     compared = tuple(name for name in _COMPARED if name in what)
     if not compared or case.lit.is_cell:
         return record
-    base = measure_case(baseline_case(), compared, measuring, progress)
+    base = measure_case(baseline_case(case.lit.stack.polarised), compared, measuring, progress)
     record["baseline"] = {"stack": "thesis-32in-conventional", "film": "BEF", **base}
     if "contrast" in compared:
         record["relative_luminance"] = ratio(

@@ -5,7 +5,7 @@
 
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -176,7 +176,7 @@ def examine(
     if plan.job.baseline is not None:
         preset = plan.job.baseline.preset
         progress.stage(f"tracing a plain BEF in {preset}")
-        lit = light_baseline(plan.job.cad.angle_tolerance, preset)
+        lit = light_baseline(plan.job.cad.angle_tolerance, preset, plan.stack.polarised)
         baseline = trace_luminance(lit, run, setting.half_width_goal)
     confidence = printed = None
     if isinstance(luminance, LuminanceResult) and plan.job.wants_confidence:
@@ -257,11 +257,13 @@ def _grooves(plan: Plan) -> slice:
     return slice(plan.first_groove, plan.first_groove + plan.piece.groove_count)
 
 
-def light_baseline(angle_tolerance: float, preset: str = BASELINE_PRESET) -> Lit:
-    """Return a plain BEF, written to a file and read back, in a stack."""
+def light_baseline(
+    angle_tolerance: float, preset: str = BASELINE_PRESET, polarised: bool = False
+) -> Lit:
+    """Return a plain BEF, written to a file and read back, in a stack; polarised light or not."""
     from mpfcad.cad import write_stl
 
-    stack = read_stack(preset)
+    stack = replace(read_stack(preset), polarised=polarised)
     with tempfile.TemporaryDirectory() as temporary:
         mesh = Path(temporary) / "bef.stl"
         write_stl(baseline_film(stack), mesh, angle_tolerance)

@@ -11,7 +11,7 @@ from mpfcad.job import Job
 from mpfcad.mask import Mask
 from mpfcad.measure import Checkpoints
 from mpfcad.pipeline.confidence.covariance import with_covariance
-from mpfcad.pipeline.effort import TRACE_SETTINGS, available_threads, over_pitches
+from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads, over_pitches
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.need import refuse_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
@@ -282,10 +282,10 @@ def trace_mesh(
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import TraceRun, luminance_over_cell, luminance_over_pitch
+    from mpfcad.measure import TraceRun, luminance_over_cell, luminance_over_pitch, polarisation
     from mpfcad.pipeline.confidence.find import refuse_confidence
     from mpfcad.pipeline.measure.case import mesh_case
-    from mpfcad.record import describe_cell, describe_luminance
+    from mpfcad.record import describe_cell, describe_luminance, describe_polarisation
 
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: expected a closed mesh in mm")
@@ -309,6 +309,9 @@ def trace_mesh(
         else:
             found = luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
             figures = describe_luminance(found)
+            if backlight.polarised:
+                goal = MEASURE_SETTINGS[effort].polarisation
+                figures["polarisation"] = describe_polarisation(polarisation(lit, run, goal))
             if confidence:
                 figures["confidence"] = _confidence(case, found, seed, run.threads, progress)
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 from mpfcad.backlight import Stack
+from mpfcad.backlight.layer import POLARISING
 from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.report.drawing import svg
 
@@ -16,7 +17,11 @@ STYLE = {
     "top_sheet": 'fill="#efe6d8" stroke="#a08f70"',
 }
 #: What a plate or sheet of one's own is drawn like.
-OTHER = {"plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet"}
+OTHER = {
+    "plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet",
+    "polariser": "diffusing_plate", "reflective_polariser": "clear_plate",
+    "retarder": "clear_plate", "mueller": "clear_plate",
+}  # fmt: skip
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
 LIGHT = 'fill="#ffe9a8" stroke="#b58a1b"'
@@ -157,6 +162,8 @@ def _own_note(stack: Stack, layer: str) -> str:
         if f"{layer}.wide_share" in stack.quantity:
             width += f" and {value('wide_sigma'):g} ({value('wide_share') * 100:g} %)"
         return f"{width} of the direction cosines, {share:g} % of the light"
+    if kind in POLARISING:
+        return _axis_note(stack, layer)
     note = f"n = {value('index'):g}"
     if kind == "plate":
         note += f", {value('thickness_mm'):g} mm"
@@ -168,6 +175,18 @@ def _own_note(stack: Stack, layer: str) -> str:
     turn = value("rotation_deg")
     note += f", turned {turn:g}°" if turn else ""
     return note + (_materials(stack) if stack.is_slot(layer) else "")
+
+
+def _axis_note(stack: Stack, layer: str) -> str:
+    """Return the values of a polariser or retarder in words."""
+    axis = f"axis {stack[f'{layer}.axis_deg']:g}° from the grooves"
+    if stack.own[layer].kind == "retarder":
+        waves, nm = stack[f"{layer}.retardation_waves"], stack[f"{layer}.retardation_nm"]
+        return f"{axis}, {f'{waves:g} waves' if waves else f'{nm:g} nm'}"
+    if stack.own[layer].kind == "mueller":
+        return f"{axis}, passes {stack[f'{layer}.m00'] * 100:g} % of unpolarised light"
+    along, across = (stack[f"{layer}.transmission_{way}"] * 100 for way in ("along", "across"))
+    return f"{axis}, passes {along:g} % along it, {across:g} % across"
 
 
 def _label(y: float, name: str, note: str) -> list[str]:

@@ -32,6 +32,7 @@ TITLES = {
     "uniformity": "Uniformity of the screen",
     "camera": "Camera image",
     "panel": "The whole panel",
+    "polarisation": "Polarisation of the normal light",
     "confidence": "Does the contrast hold in the real backlight?",
 }
 
@@ -209,6 +210,21 @@ def _panel(record: Record, folder: Path) -> Record:
     }
 
 
+def _polarisation(record: Record, folder: Path) -> Record:
+    found = record["polarisation"]
+    rows = [
+        ("normal luminance, all light [cd/m²]", found["luminance_cd_m2"], 5),
+        ("degree of polarisation", found["degree_of_polarisation"], 3),
+        ("Q/I: along the grooves less across them", found["along_minus_across"], 3),
+        ("U/I: at 45° less at 135°", found["diagonal"], 3),
+        ("V/I: of the two circles", found["circular"], 3),
+        *((f"luminance behind an ideal polariser at {angle:g}° to the grooves [cd/m²]", one, 5)
+          for angle, one in zip(found["polariser_angle_deg"], found["behind_polariser_cd_m2"],
+                                strict=True)),
+    ]  # fmt: skip
+    return {"rows": _rows(rows), "paths": found["paths"]}
+
+
 def _confidence(record: Record, folder: Path) -> Record | None:
     return confidence_values(record)
 
@@ -221,5 +237,6 @@ _VALUES = {
     "uniformity": _uniformity,
     "camera": _camera,
     "panel": _panel,
+    "polarisation": _polarisation,
     "confidence": _confidence,
 }
