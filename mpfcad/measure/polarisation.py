@@ -23,7 +23,7 @@ _LEAST_BLOCKS = 64
 ANGLES = np.arange(0.0, 180.0, 15.0) * deg
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class PolarisationResult:
     """Stokes parameters of the normal light, the mean over a lamp pitch.
 

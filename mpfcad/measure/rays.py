@@ -49,10 +49,15 @@ def gate_of(lit: Lit, at: At) -> int:
     Raises
     ------
     InputError
-        when the stack has no film of the job's, or no air under it.
+        when the stack has no film of the job's, or no air under it, or its light is polarised.
     """
     from mpfcad.optics.element import Film, LibraryFilm, Slab
 
+    if lit.stack.polarised:
+        raise InputError(
+            f"{lit.stack.name}: light.polarised: ray files hold no polarisation: expected "
+            "light that is not polarised"
+        )
     if at == "screen":
         return len(lit.elements)
     stack = lit.stack

@@ -10,6 +10,7 @@ from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError
 from mpfcad.measure import TraceRun, light_film, polarisation
 from mpfcad.measure.polarisation import ANGLES, read_stokes
+from mpfcad.measure.rays import gate_of
 
 SOME = pytest.param(150, id="some")
 MANY = pytest.param(4000, id="many", marks=pytest.mark.slow)
@@ -85,3 +86,8 @@ def test_same_bits_at_any_number_of_threads(tmp_path):
 def test_unpolarised_light_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"polarisation: needs light\.polarised = true"):
         polarisation(lit(tmp_path, "", light=""), TraceRun(), 1.0)
+
+
+def test_a_ray_file_of_polarised_light_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"light\.polarised: ray files hold no polarisation"):
+        gate_of(lit(tmp_path, ""), "screen")

@@ -165,9 +165,9 @@ def test_light_from_the_lamps_and_to_the_meter_agree(tmp_path):
              PlaneLayer(0.9, retardation=1.0), Film(film.mesh, 1.55, rotation=0.9),
              PlaneLayer(0.2, (0.8, 0.01))]  # fmt: skip
     scene = build_scene(stack, polarised=True)
-    forward = trace(scene, Source(LAMPS, [0.0], 0.0), 40, seed=3)
+    forward = trace(scene, Source(LAMPS, [0.0], 0.0), 60, seed=3)
     emitted = math.pi * luminance * 2 * math.pi * radius / pitch
-    back = trace(scene, Source(EYE, [pitch / 2], pitch, acceptance=1.0), 40, seed=4)
+    back = trace(scene, Source(EYE, [pitch / 2], pitch, acceptance=1.0), 150, seed=4)
     value = forward.fraction[0] * emitted, math.pi * back.radiance[0]
     error = forward.fraction_error[0] * emitted, math.pi * back.radiance_error[0]
     assert max(error) < 0.01 * value[0]
@@ -179,8 +179,8 @@ def test_light_from_the_lamps_and_to_the_meter_agree(tmp_path):
 def test_reflections_are_drawn_as_often_as_they_should_be():
     # χ² over 60 states and angles; 30 to 92 hold 99.9 % of it (scipy.stats.chi2).
     rng = np.random.default_rng(11)
-    meet = compiled(interface.meet_interface)
-    square, draws = 0.0, 4000
+    meet, amplitudes = compiled(interface.meet_interface), compiled(interface.amplitudes)
+    square, draws = 0.0, 1000
     for _ in range(60):
         vector = rng.normal(size=3)
         vector *= rng.random() / np.linalg.norm(vector)
@@ -190,7 +190,7 @@ def test_reflections_are_drawn_as_often_as_they_should_be():
             ratio = 1 / ratio
         # Axis e = y, in the plane of s: s is d × n = (0, -sine, 0) for d = (sine, 0, -cosine).
         angle = math.asin(ratio * sine)
-        r_s, r_p, *_ = compiled(interface.amplitudes)(cosine, ratio)
+        r_s, r_p, *_ = amplitudes(cosine, ratio)
         share = 0.5 * (r_s * (1 + vector[0]) + r_p * (1 - vector[0]))
         assert 0 < angle < math.pi / 2
         random = np.zeros(RNG_SIZE, np.uint64)

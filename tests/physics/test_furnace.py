@@ -158,10 +158,11 @@ def test_the_lambertian_part_of_the_reflector_is_lambertian():
     reflector_direction = compiled(cavity.reflector_direction)
     rng = np.zeros(sampling.RNG_SIZE, np.uint64)
     compiled(sampling.start_path)(rng, np.uint64(46), np.uint64(0), np.uint64(0))
-    d = np.array([reflector_direction(0.0, 0.6, 0.0, -0.8, rng)[1:] for _ in range(40_000)])
+    into = 0.6, 0.0, -0.8, None, rng
+    d = np.array([reflector_direction(0.0, *into)[1:] for _ in range(40_000)])
     number, _, _ = np.histogram2d(
         (d[:, :2] ** 2).sum(axis=1), np.arctan2(d[:, 1], d[:, 0]), (5, 8), ((0, 1), (-np.pi, np.pi))
     )
     within(number, 1000, np.sqrt(1000), 4.5)
-    mirrored = reflector_direction(1.0, 0.6, 0.0, -0.8, rng)
+    mirrored = reflector_direction(1.0, *into)
     assert mirrored == (True, 0.6, 0.0, 0.8)
