@@ -1,6 +1,6 @@
 """Polarised light through plates and films beside Mitsuba's polarised variant.
 
-    python benchmarks/polarised.py --rays 400000
+    python benchmarks/polarised.py --rays 100000
 
 It prints I, Q, U, V of both and their difference in standard errors. V's sign is a convention that
 the two programs do not share, so its size is compared.
@@ -51,7 +51,7 @@ def cases(folder):
 def main() -> None:
     """Print a row a case."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rays", type=int, default=400_000)
+    parser.add_argument("--rays", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
     worst = 0.0

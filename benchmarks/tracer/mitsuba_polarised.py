@@ -1,15 +1,17 @@
 """Plates and films over an emitter in Mitsuba's polarised variant."""
 
+import math
+
 import numpy as np
 
 from tracer.mitsuba_scene import PITCH, film_shape, plane
 
 
 def mitsuba():
-    """Return Mitsuba with its vectorised polarised variant."""
+    """Return Mitsuba with its polarised variant for one ray at a time, which needs no LLVM."""
     import mitsuba as mi
 
-    mi.set_variant("llvm_ad_mono_polarized")
+    mi.set_variant("scalar_spectral_polarized")
     return mi
 
 
@@ -38,26 +40,25 @@ def stokes(mi, bodies: dict, tilt, top: float, rays: int, seed: int):
     light along x, as `mpfcad.optics.stokes.engine.trace_stokes` has it. `top` [µm] is where rays
     start, over a pitch about x = 0.
     """
-    import drjit as dr
-
     emitter = {"type": "area", "radiance": {"type": "uniform", "value": 1.0}}
     black = {"type": "diffuse", "reflectance": {"type": "uniform", "value": 0.0}}
     light = plane(mi, -1.0, 3e7, emitter=emitter, bsdf=black)
     scene = mi.load_dict({"type": "scene", "light": light, **bodies})
     integrator = mi.load_dict({"type": "path", "max_depth": 2000, "rr_depth": 1000})
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed, rays)
-    u = sampler.next_2d()
-    down = -np.sqrt(1 - tilt[0] ** 2 - tilt[1] ** 2)
-    d = mi.Vector3f(tilt[0], tilt[1], float(down))
-    # Over the same place of the film's underside, whatever the tilt.
-    shift = top / down
-    x = (u.x - 0.5) * PITCH + float(shift * tilt[0])
-    origin = mi.Point3f(x, (u.y - 0.5) * PITCH + float(shift * tilt[1]), top)
-    found, _, _ = integrator.sample(scene, sampler, mi.RayDifferential3f(mi.Ray3f(origin, d)))
-    towards = -d
-    wanted = dr.normalize(dr.cross(towards, mi.Vector3f(1, 0, 0)))
-    turned = mi.mueller.rotate_stokes_basis(towards, mi.mueller.stokes_basis(towards), wanted)
-    matrix = turned @ found
-    values = np.array([np.array(dr.ravel(matrix[i, 0][0]), float) for i in range(4)])
-    return values.mean(axis=1), values.std(axis=1) / np.sqrt(rays)
+    sampler.seed(seed, 1)
+    down = -math.sqrt(1 - tilt[0] ** 2 - tilt[1] ** 2)
+    d, shift = mi.Vector3f(tilt[0], tilt[1], down), top / down
+    found = np.empty((rays, 4))
+    for i in range(rays):
+        u = sampler.next_2d()
+        # Over the same place of the film's underside, whatever the tilt.
+        x, y = ((u[k] - 0.5) * PITCH + shift * tilt[k] for k in (0, 1))
+        ray = mi.RayDifferential3f(mi.Ray3f(mi.Point3f(x, y, top), d))
+        # (4, 4, wavelengths): of unpolarised light from the emitter.
+        found[i] = np.array(integrator.sample(scene, sampler, ray)[0])[:, 0, 0]
+    wanted = np.cross([-d[k] for k in range(3)], [1.0, 0.0, 0.0])
+    wanted = mi.Vector3f(*(float(v) for v in wanted / np.linalg.norm(wanted)))
+    turn = np.array(mi.mueller.rotate_stokes_basis(-d, mi.mueller.stokes_basis(-d), wanted))
+    values = found @ turn.T
+    return values.mean(axis=0), values.std(axis=0) / math.sqrt(rays)

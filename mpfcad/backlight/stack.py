@@ -209,8 +209,8 @@ class Stack:
     def _light(self) -> list[dict[str, object]]:
         """Return how light is traced, where it is not as in the thesis."""
         said = "Stokes vectors along the path"
-        light = {"name": "light.polarised", "value": "true", "tag": "given", "source": said}
-        return [light] if self.polarised else []
+        light: dict[str, object] = {"name": "light.polarised", "value": "true", "tag": "given"}
+        return [light | {"source": said}] if self.polarised else []
 
 
 def stack_file(layer: str) -> str:
