@@ -29,7 +29,7 @@ def place(tmp_path_factory):
         patch.setenv("MPFCAD_CACHE", str(folder / "cache"))
         patch.setattr(rounds, "_LEAST_PATHS", 60_000)
         patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
-        patch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 6))
+        patch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 7))
         yield folder
 
 
