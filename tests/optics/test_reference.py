@@ -1,5 +1,7 @@
 """The kernels against the plain-Python oracle, path by path on the same random numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from harness import (
@@ -80,6 +82,13 @@ def test_paths_equal_the_oracle(tmp_path, name, accelerator):
 )
 def test_layers_without_film_equal_the_oracle(layers):
     compare([CAVITY, *layers], 300)
+
+
+def test_sheets_with_other_lobes_equal_the_oracle():
+    askew = Sheet(0.3, 1.49, 0.98, sigma_across=0.06, axis=0.7)
+    haze = Sheet(0.02, 1.49, 0.98, wide_sigma=0.4, wide_share=0.3)
+    both_of_them = replace(askew, axis=-2.0, wide_sigma=0.2, wide_share=0.5)
+    compare([CAVITY, DIFFUSING, askew, haze, both_of_them], 300)
 
 
 @pytest.mark.parametrize("accelerator", ["grid", "bvh"])
