@@ -39,6 +39,26 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "absorption_per_mm": (*_ABSORPTION, 0.0),
         "roughness": (*_SLOPE, 0.0),
     },
+    "lens": {
+        "pitch_um": (1.0, 2000.0, 50.0),
+        "sag_um": (0.1, 1000.0, 15.0),
+        "base_um": (1.0, 5000.0, 200.0),
+        "index": (*_INDEX, "film_index"),
+        "rotation_deg": (*_ANGLE, 0.0),
+        "absorption_per_mm": (*_ABSORPTION, 0.0),
+    },
+    "composite": {
+        "pitch_um": (1.0, 2000.0, 50.0),
+        "depth_um": (1.0, 2000.0, 25.0),
+        "base_um": (1.0, 5000.0, 200.0),
+        "bond_um": (0.1, 1000.0, None),
+        "cover_um": (1.0, 5000.0, 125.0),
+        "upper_pitch_um": (1.0, 2000.0, 50.0),
+        "upper_depth_um": (0.0, 2000.0, 0.0),
+        "index": (*_INDEX, "film_index"),
+        "rotation_deg": (*_ANGLE, 0.0),
+        "absorption_per_mm": (*_ABSORPTION, 0.0),
+    },
     "plate": {
         "thickness_mm": (0.01, 100.0, "plate_thickness_mm"),
         "index": (*_INDEX, "plate_index"),
@@ -82,6 +102,8 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
 #: What acts on polarisation: there is none without `light.polarised`.
 POLARISING = ("polariser", "reflective_polariser", "retarder", "mueller")
 _FLAGS = ("kind", "name", "file", "flipped")
+#: Kinds that are films, of a mesh that is read or made.
+FILM_KINDS = ("film", "bef", "lens", "composite")
 
 
 @dataclass(frozen=True)
@@ -107,7 +129,8 @@ class Layer:
     def title(self) -> str:
         """What it is, in words."""
         words = {"film": "film", "bef": "prism film", "plate": "plate", "sheet": "diffuser sheet",
-                 "bsdf": "element by its BSDF table",
+                 "bsdf": "element by its BSDF table", "lens": "lens array",
+                 "composite": "composite of bonded films",
                  "reflective_polariser": "reflective polariser",
                  "mueller": "element by its Mueller matrix"}  # fmt: skip
         where = f" {Path(self.file).name}" if self.file else ""
@@ -143,7 +166,7 @@ def read_layer(
         return name, Layer(name, kind), {}
     if kind == "mueller":
         entry = _with_entries(at, entry)
-    is_film = kind in ("film", "bef")
+    is_film = kind in FILM_KINDS
     allowed = [*_FLAGS[:2], *(("file",) if kind == "film" else ()), *OWN_VALUES[kind]]
     allowed += ["flipped"] if is_film else []
     unknown = sorted(set(entry) - set(allowed))

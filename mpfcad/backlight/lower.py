@@ -1,11 +1,10 @@
 """A stack lowered to the elements that are traced."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from mpfcad.backlight.array_mesh import bef_mesh, composite_mesh, lens_mesh
 from mpfcad.backlight.film_layer import lower_film
 from mpfcad.backlight.layer import POLARISING
 from mpfcad.backlight.particle import build_particles
@@ -104,8 +103,8 @@ def _own_layer(stack: Stack, name: str) -> Element:
             wide, share, left,
         )  # fmt: skip
     mesh: FilmMesh | Library | CellTops
-    if layer.kind == "bef":
-        mesh = _bef_mesh(*(value(f"{key}_um") * um for key in ("pitch", "depth", "base")))
+    if layer.kind != "film":
+        mesh = _made_mesh(layer.kind, words, value)
     else:
         assert layer.file is not None  # else it is the job's film
         mesh = read_film(Path(layer.file))
@@ -137,10 +136,16 @@ def read_film(path: Path) -> FilmMesh | Library | CellTops:
     return read_library(path) if is_library_file(path) else read_film_mesh(path)
 
 
-def _bef_mesh(pitch: float, depth: float, base: float) -> FilmMesh:
-    """Return one groove of a plain prism film [mm], from tip to tip."""
-    x = np.tile([0.0, pitch / 2, pitch], 2)
-    z = np.tile([base + depth, base, base + depth], 2)
-    vertex = np.stack([x, np.repeat([0.0, pitch], 3), z], axis=1)
-    top = np.array([[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]])
-    return FilmMesh(vertex, top, (pitch, pitch, base + depth))
+def _made_mesh(kind: str, words: str, value: Callable[[str], float]) -> FilmMesh:
+    """Return the mesh of a film that its layer's values describe."""
+
+    def size(*keys: str) -> list[float]:
+        return [value(f"{key}_um") * um for key in keys]
+
+    if kind == "bef":
+        return bef_mesh(*size("pitch", "depth", "base"))
+    if kind == "lens":
+        return lens_mesh(words, *size("pitch", "sag", "base"))
+    pitch, depth, base, bond, cover = size("pitch", "depth", "base", "bond", "cover")
+    upper_pitch, upper_depth = size("upper_pitch", "upper_depth")
+    return composite_mesh(words, pitch, depth, base, bond, cover, (upper_pitch, upper_depth))

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer
-from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.layer import FILM_KINDS, LAYERS, Layer
 from mpfcad.backlight.quantity import (
     FILM_RANGES,
     LIGHT_RANGES,
@@ -138,7 +138,7 @@ class Stack:
     def kind_of(self, layer: str) -> str:
         """Return `plate`, `sheet`, `film` or `bsdf`."""
         kind = self.own[layer].kind if layer in self.own else layer.rpartition("_")[2]
-        return "film" if kind == "bef" else kind
+        return "film" if kind in FILM_KINDS else kind
 
     def title_of(self, layer: str) -> str:
         """Return what a layer is, in words."""

@@ -170,8 +170,14 @@ def _own_note(stack: Stack, layer: str) -> str:
         if value("scattering_per_mm") > 0:
             note += f", scattering {value('scattering_per_mm'):g} /mm, g = {value('asymmetry'):g}"
         return note
-    if kind == "bef":
+    if kind in ("bef", "composite"):
         note += f", prisms {value('pitch_um'):g} × {value('depth_um'):g} µm"
+    if kind == "composite":
+        note += f", {value('bond_um'):g} µm deep in a cover of {value('cover_um'):g} µm"
+        if value("upper_depth_um") > 0:
+            note += f" with prisms {value('upper_pitch_um'):g} × {value('upper_depth_um'):g} µm"
+    if kind == "lens":
+        note += f", lenses {value('pitch_um'):g} µm apart, {value('sag_um'):g} µm high"
     turn = value("rotation_deg")
     note += f", turned {turn:g}°" if turn else ""
     return note + (_materials(stack) if stack.is_slot(layer) else "")
