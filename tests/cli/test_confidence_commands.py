@@ -56,7 +56,7 @@ def place(tmp_path, monkeypatch):
         curve = 1 + 0.002 * size * np.cos(2 * np.pi * np.linspace(0, 1, POINTS))
         return runs.reading.read(curve), runs.reading.spread(curve, np.full(POINTS, 1e-5))
 
-    monkeypatch.setattr(Runs, "_trace", trace)
+    monkeypatch.setattr(Runs, "trace", trace)
     return tmp_path
 
 
@@ -101,7 +101,7 @@ def test_measure_carries_the_jobs_own_widths_and_keeps_what_it_found(place, caps
     def refuse(*_):
         raise AssertionError("traced again")
 
-    monkeypatch.setattr(Runs, "_trace", refuse)
+    monkeypatch.setattr(Runs, "trace", refuse)
     whole = {path.name: path.read_bytes() for path in out.iterdir()}
     assert app(*arguments) == 0
     assert {path.name: path.read_bytes() for path in out.iterdir()} == whole
