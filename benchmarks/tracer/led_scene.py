@@ -11,9 +11,12 @@ from tracer.mitsuba_scene import (
     mitsuba,
 )
 
-#: Places from the LED and side of the square over which the mean is taken, in pitches.
-PLACES = ((0.0, 0.0), (0.25, 0.0), (0.0, 0.25), (0.25, 0.25), (0.375, 0.125), (-0.25, 0.375))
-SPOT = 0.125
+#: Places from the LED and side of the square over which the mean is taken, in pitches: squares that
+#: do not overlap, of whole bins of our map and whole grooves.
+PLACES = ((0.0, 0.0), (0.25, 0.0), (0.0, 0.25), (0.25, 0.25), (-0.25, 0.25), (0.25, -0.25))
+SPOT = 0.25
+#: The LED over the reflector [µm]: light that slips under its edge meets a black back.
+OVER = 0.25
 
 
 def mitsuba_led(elements, windows):
@@ -34,7 +37,7 @@ def mitsuba_led(elements, windows):
     side = board.led_size[0]
     radiance = board.led_flux / (np.pi * side * board.led_size[1] * 1e-6)
     world["led"] = _plane(
-        mi, floor + 2, side / 2 * mm,
+        mi, floor + OVER, side / 2 * mm,
         emitter={"type": "area", "radiance": {"type": "rgb", "value": float(radiance)}},
         bsdf={"type": "diffuse",
               "reflectance": {"type": "rgb", "value": board.led_reflectance}},
