@@ -95,14 +95,21 @@ def _library(
     return LibraryFilm(library, stack.of_film("index"), below, offset, name, rotation)
 
 
+def _seen_prisms(stack: Stack) -> str:
+    """Return which values let light tell the prisms from their resin."""
+    keys = ["resin_scattering_per_mm"] if stack.resin_scatters else []
+    keys += ["resin_index, resin_absorption_per_mm"] if stack.resin_differs else []
+    return ", ".join(keys or ["film_roughness"])
+
+
 def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
     """Return what lies in the grooves; None where light takes it for the prisms' own material."""
     if not stack.needs_prism:
         return None
     if stack.prism is None:
         raise InputError(
-            f"{stack.name}: resin that scatters or is of another material, or rough prisms: "
-            "expected the mesh of the film without resin (--prism)"
+            f"{stack.name}: {_seen_prisms(stack)}: light sees where the resin ends: expected the "
+            "film without its resin, too: a job, an export, or mpfcad trace MESH --prism FILE"
         )
     prism = read_film_mesh(stack.prism)
     if build_chain(prism) is None:

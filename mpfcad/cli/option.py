@@ -26,7 +26,8 @@ TraceEffort = Annotated[
 ]
 StandardEffort = Annotated[Effort, typer.Option("--effort", help="How long to trace.")]
 Seed = Annotated[
-    int, typer.Option("--seed", min=0, metavar="N", help="Seed of the random numbers.")
+    int,
+    typer.Option("--seed", min=0, max=2**64 - 1, metavar="N", help="Seed of the random numbers."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Confidence = Annotated[

@@ -101,7 +101,7 @@ def test_scattering_resin_needs_the_prisms(tmp_path):
     stack = read_stack(MPF, overrides={"resin_scattering_per_mm": 5.0})
     assert stack["resin_asymmetry"] == 0 and stack.resin_scatters
     mesh = film_mesh(tmp_path, [groove(60.0)] * 2)
-    with pytest.raises(InputError, match="--prism"):
+    with pytest.raises(InputError, match=r"resin_scattering_per_mm: .* --prism FILE"):
         lower_stack(stack, mesh)
     prism = film_file(tmp_path / "prism.stl", [BARE] * 2)
     film = lower_stack(stack.with_prism(prism), mesh)[3]

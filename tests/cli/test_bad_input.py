@@ -104,6 +104,10 @@ def test_others_of_the_corpus(folder, capsys):
     refused(capsys, ["mask", "job.toml"], calibration, "groove.pitch_um: 1e+308")
 
 
+def test_a_seed_that_no_generator_takes(folder, capsys):
+    refused(capsys, ["measure", "coll.stl", "--seed", str(2**64)], "--seed")
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

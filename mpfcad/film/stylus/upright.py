@@ -73,9 +73,10 @@ class Lie:
     @property
     def words(self) -> str:
         """Return both readings, and what each leaves."""
+        up, down = _percent(self.up.share), _percent(self.down.share)
         return (
-            f"tips up, C = {self.up.curvature:.3g} /mm leaves {self.up.share:.1%} of the relief, "
-            f"upside down, C = {self.down.curvature:.3g} /mm leaves {self.down.share:.1%}"
+            f"tips up, C = {self.up.curvature:.3g} /mm leaves {up} of the relief, "
+            f"upside down, C = {self.down.curvature:.3g} /mm leaves {down}"
         )
 
 
@@ -141,9 +142,14 @@ def _compared(up: Reading, down: Reading) -> Lie:
     less, more = sorted((up.share, down.share))
     if less > _NONE or (less > SAID and more < _WORSE * less):
         return Lie("neither", up, down)
-    if abs(behind) < _CERTAIN:
+    # Priors alone turn no trace: tips that are flat are unlikely, and fit the better.
+    if abs(behind) < _CERTAIN or (behind < 0 and up.share < down.share):
         return Lie("either", up, down)
     return Lie("up" if behind > 0 else "down", up, down)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g}%"
 
 
 def _loss(reading: Reading, noise: float) -> float:
