@@ -51,7 +51,7 @@ def gate_of(lit: Lit, at: At) -> int:
     InputError
         when the stack has no film of the job's, or no air under it, or its light is polarised.
     """
-    from mpfcad.optics.element import Film, LibraryFilm, Slab
+    from mpfcad.optics.element import Slab
 
     if lit.stack.polarised:
         raise InputError(
@@ -69,7 +69,7 @@ def gate_of(lit: Lit, at: At) -> int:
     name = slot[0].replace("_", " ")
     number = next(
         i for i, one in enumerate(lit.elements)
-        if isinstance(one, Film | LibraryFilm) and one.name == name
+        if one.name == name
     )  # fmt: skip
     below = lit.elements[number - 1]
     while isinstance(below, Slab) and below.bonded:

@@ -50,6 +50,7 @@ def test_the_grid_mirrors_states_onto_states():
     assert low[grid.mirrored] == pytest.approx(-low - 2 / 6)
 
 
+@pytest.mark.slow
 def test_a_film_with_resin_of_its_own_material_has_operators(monkeypatch):
     for name in ("WORLD_SAMPLES", "FILM_SAMPLES", "METER_SAMPLES"):
         monkeypatch.setattr(estimate, name, 16)

@@ -185,7 +185,7 @@ _MANIFEST = (
     + b'"\n}\n'
 )
 _TRACE = "x_um,z_um\n" + "".join(
-    f"{x:.2f},{30 * ((x % 50 - 25) / 1000) ** 2 * 1000:.4f}\n" for x in np.arange(0, 200, 2.5)
+    f"{x:.2f},{15 * ((x % 50 - 25) / 1000) ** 2 * 1000:.4f}\n" for x in np.arange(0, 200, 2.5)
 )
 
 

@@ -61,6 +61,11 @@ class Lie:
         return self.share <= SAID
 
     @property
+    def leans_up(self) -> bool:
+        """Whether tips up leaves the less of both, and no more than a groove's meniscus may."""
+        return self.up.share < self.down.share and self.up.share <= _NONE
+
+    @property
     def share(self) -> float:
         """The less of what both leave of the relief."""
         return min(self.up.share, self.down.share)

@@ -18,6 +18,7 @@ from mpfcad.film import (
     MadeFilm,
     PieceLibrary,
     PrismFilm,
+    ReadingOption,
     average_groove,
     read_stylus_trace,
 )
@@ -40,7 +41,10 @@ def read_measured(job: Job, job_file: Path) -> NDArray[np.float64] | None:
     if table.measured_file is None:
         return None
     groove = table.groove
-    trace = read_stylus_trace(job_file.parent / table.measured_file, groove, profile=table.profile)
+    trace = read_stylus_trace(
+        job_file.parent / table.measured_file, groove, option=ReadingOption(own_shape=True),
+        profile=table.profile,
+    )  # fmt: skip
     return average_groove(trace, groove, table.profile)
 
 

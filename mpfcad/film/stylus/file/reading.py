@@ -48,6 +48,9 @@ class ReadingOption:
         the stylus's
     upright
         whether heights are known to have the tips up, so that it is not asked
+    own_shape
+        whether the shape is taken as measured: then a meniscus that is no parabola is a groove's
+        where tips up leaves the less
     """
 
     units: tuple[str, str] | None = None
@@ -55,6 +58,7 @@ class ReadingOption:
     correct: bool = False
     tip: StylusTip | None = None
     upright: bool = False
+    own_shape: bool = False
 
 
 def parse_units(text: str) -> tuple[str, str]:
@@ -251,7 +255,7 @@ def _upright(
             faults.append(words)
     if option.upright:
         return z, ", ".join(f"{fault} (corrected)" for fault in faults), False
-    if lie.way == "neither":
+    if lie.way == "neither" and not (option.own_shape and lie.leans_up):
         raise InputError(
             f"{path}: z shows no grooves of pitch {groove.pitch / um:g} µm and depth "
             f"{groove.depth / um:g} µm: {lie.words}: expected one that leaves {SAID:.1%} or less"
