@@ -50,6 +50,14 @@ Threads = Annotated[
         help="Threads of the tracer; the figures do not depend on it [default: all cores].",
     ),
 ]
+#: Where a film of `read_case` lies.
+ThicknessMm = Annotated[
+    float | None,
+    typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: stack's]."),
+]
+OffsetMm = Annotated[
+    float, typer.Option("--offset-mm", metavar="MM", help="Left edge of FILE.stl from a lamp.")
+]
 
 #: How the file of a measured luminance, a curve or an image, is to be read.
 PositionUnit = Annotated[

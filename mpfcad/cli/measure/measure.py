@@ -5,7 +5,16 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Confidence, Effort, Json, Seed, StandardEffort, Threads
+from mpfcad.cli.option import (
+    Confidence,
+    Effort,
+    Json,
+    OffsetMm,
+    Seed,
+    StandardEffort,
+    ThicknessMm,
+    Threads,
+)
 
 
 def command(
@@ -20,13 +29,8 @@ def command(
             help="Stack to measure in [default: the film's own].",
         ),
     ] = None,
-    thickness_mm: Annotated[
-        float | None,
-        typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: stack's]."),
-    ] = None,
-    offset_mm: Annotated[
-        float, typer.Option("--offset-mm", metavar="MM", help="Left edge of FILE.stl from a lamp.")
-    ] = 0.0,
+    thickness_mm: ThicknessMm = None,
+    offset_mm: OffsetMm = 0.0,
     what: Annotated[
         str | None,
         typer.Option(

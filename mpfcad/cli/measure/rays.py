@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Json, Seed, Threads
+from mpfcad.cli.option import Json, OffsetMm, Seed, ThicknessMm, Threads
 
 
 class Place(StrEnum):
@@ -42,13 +42,8 @@ def command(
             "--stack", metavar="NAME|FILE.toml", help="Stack to put it in [default: its own]."
         ),
     ] = None,
-    thickness_mm: Annotated[
-        float | None,
-        typer.Option("--thickness-mm", metavar="MM", help="Reflector to plate [default: stack's]."),
-    ] = None,
-    offset_mm: Annotated[
-        float, typer.Option("--offset-mm", metavar="MM", help="Left edge of FILE.stl from a lamp.")
-    ] = 0.0,
+    thickness_mm: ThicknessMm = None,
+    offset_mm: OffsetMm = 0.0,
     seed: Seed = 1,
     threads: Threads = None,
     json: Json = False,

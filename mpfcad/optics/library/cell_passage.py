@@ -21,6 +21,7 @@ from mpfcad.optics.film.passage import (
     underside,
 )
 from mpfcad.optics.film.passage import TILE as CELLS
+from mpfcad.optics.library.passage import chosen_at
 from mpfcad.optics.library.piece import HIGH, LENGTH, LOW, PITCH
 from mpfcad.optics.library.top import BUCKETS
 from mpfcad.optics.stokes.state import turn_light, turn_light_back
@@ -38,13 +39,6 @@ def placed_cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng):
     way, x, y, dx, dy, dz = cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng)
     turn_light_back(light, parameter[COSINE], parameter[SINE], False)
     return out_of_film(parameter, 0.0, way, x, y, dx, dy, dz)
-
-
-@kernel
-def _kind(cells, row, i, j):
-    """Return the kind of cell at place (i, j), which may be any whole numbers."""
-    first, across, along = cells.place[row]
-    return cells.chosen[first + (i % across) * along + j % along]
 
 
 @kernel
@@ -119,7 +113,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng):
             a, b = math.floor(u / pitch), math.floor(v / length)
             i, j = i + a, j + b
             u, v = min(max(u - a * pitch, 0.0), pitch), min(max(v - b * length, 0.0), length)
-            kind = _kind(cells, row, i, j)
+            kind = chosen_at(cells, row, i, j)
             t = _over(cells, kind, size, u, v)
         above = z - _height(cells, t, u, v)
         rise_x, rise_y = cells.plane[t, 1], cells.plane[t, 2]
@@ -158,7 +152,7 @@ def cell_passage(cells, parameter, up, x, y, dx, dy, dz, light, rng):
             p = (1.0 - forward) * pitch if side < 2 else u
             q = v if side < 2 else (1.0 - forward) * length
             p, q = min(max(p, 0.0), pitch), min(max(q, 0.0), length)
-            other = _kind(cells, row, i + a, j + b)
+            other = chosen_at(cells, row, i + a, j + b)
             n = _over(cells, other, size, p, q)
             top = _height(cells, n, p, q)
             if abs(z - top) > _SAME and (z < top) != inside:

@@ -39,10 +39,10 @@ def placed_library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng)
 
 
 @kernel
-def _piece(library, row, i, j):
-    """Return the number of the piece at place (i, j), which may be any whole numbers."""
-    first, across, along = library.place[row]
-    return library.chosen[first + (i % across) * along + j % along]
+def chosen_at(table, row, i, j):
+    """Return the number of the piece or cell at place (i, j), which may be any whole numbers."""
+    first, across, along = table.place[row]
+    return table.chosen[first + (i % across) * along + j % along]
 
 
 @kernel
@@ -98,7 +98,7 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng):
             k = -1
         if k < 0:
             i, j = math.floor(x / pitch), math.floor(y / length)
-            piece = _piece(library, row, i, j)
+            piece = chosen_at(library, row, i, j)
             u = min(max(x - i * pitch, 0.0), pitch)
             k = _chord(library, piece, u)
         slope = _slope(library, k)
@@ -132,7 +132,7 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng):
         elif flight == piece_end:
             step = 1 if dy > 0.0 else -1
             y = (j + (1 if dy > 0.0 else 0)) * length
-            other = _piece(library, row, i, j + step)
+            other = chosen_at(library, row, i, j + step)
             if other != piece:
                 n = _chord(library, other, u)
                 top = library.z[n] + _slope(library, n) * (u - library.x[n])
@@ -153,7 +153,7 @@ def library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng):
             over = k == library.first[piece + 1] - 1
             if over or k < library.first[piece]:
                 i += 1 if over else -1
-                piece = _piece(library, row, i, j)
+                piece = chosen_at(library, row, i, j)
                 k = library.first[piece] if over else library.first[piece + 1] - 2
                 u = 0.0 if over else pitch
     return 0, x + offset, y, dx, dy, dz
