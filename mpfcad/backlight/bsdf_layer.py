@@ -111,7 +111,7 @@ def read_bsdf_layer(
         expected = ", ".join(sorted(_KEYS))
         raise InputError(f"{where}: {unknown[0]}: unknown key; expected {expected}")
     if entry.get("kind", "bsdf") != "bsdf":
-        raise InputError(f"{where}: kind: {entry['kind']}: expected bsdf")
+        raise InputError(f"{where}: kind: {entry['kind']!r}: expected bsdf")
     names = entry.get("file")
     names = [names] if isinstance(names, str) else names
     if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
@@ -120,10 +120,10 @@ def read_bsdf_layer(
     if not isinstance(way, str) or way not in _INTERPOLATION:
         raise InputError(f"{where}: interpolation: {way}: expected linear or none")
     if not isinstance(tag, str) or tag not in _TAGS:
-        raise InputError(f"{where}: tag: {tag}: expected one of {', '.join(_TAGS)}")
+        raise InputError(f"{where}: tag: {tag!r}: expected one of {', '.join(_TAGS)}")
     for key in _FLAGS:
         if not isinstance(entry.get(key, False), bool):
-            raise InputError(f"{where}: {key}: {entry[key]}: expected true or false")
+            raise InputError(f"{where}: {key}: {entry[key]!r}: expected true or false")
     rotation = entry.get("rotation")
     if rotation is not None and not isinstance(rotation, str):
         raise InputError(f"{where}: rotation: {rotation}: expected '+y counterclockwise'")
@@ -151,7 +151,7 @@ def _taken(where: str, entry: Mapping[str, Any]) -> Taken:
         lossless = key == "reflection" and value == LOSSLESS
         if not (value is None or number or lossless):
             more = f", or {LOSSLESS}" if key == "reflection" else ""
-            raise InputError(f"{where}: {key}: {value}: expected 0 … 1{more}")
+            raise InputError(f"{where}: {key}: {value!r}: expected 0 … 1{more}")
     return Taken(
         entry.get("symmetric", False),
         entry.get("reflection"),

@@ -90,6 +90,9 @@ def _check_film_layers(where: str, stack: Stack) -> None:
                 raise InputError(
                     f"{where}: value.{layer}_{need}: missing: expected with {stated[0]}"
                 )
+    base, primer = (f"{layer}_thickness_um" for layer in FILM_LAYERS)
+    if primer in given and base not in given:
+        raise InputError(f"{where}: value.{base}: missing: expected under the film's primer")
     own = stack.own.get(stack.slot) if stack.slot else None
     if given and not stack.has_slot:
         raise InputError(f"{where}: value.{given[0]}: the stack has no place of the job's film")

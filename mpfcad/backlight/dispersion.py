@@ -46,7 +46,7 @@ def dispersed(where: str, key: str, entry: Any, wavelength_nm: object) -> Any:
         wavelength_nm = wavelength_nm.get("value")
     if not isinstance(wavelength_nm, int | float) or isinstance(wavelength_nm, bool):
         raise InputError(
-            f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm}: expected a number"
+            f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm!r}: expected a number"
         )
     number = _number(f"{where}.{key}: {laws[0]}", laws[0], entry[laws[0]], float(wavelength_nm))
     rest = {name: value for name, value in entry.items() if name not in LAWS}

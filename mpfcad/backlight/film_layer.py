@@ -131,8 +131,9 @@ def _resin(stack: Stack, mesh: FilmMesh) -> Resin | None:
 def _refuse_thick(name: str, thickness: float, lowest: float) -> None:
     if not thickness <= lowest - _LEAST:
         raise InputError(
-            f"{name}: film layers: {thickness / um:g} µm thick together: expected less than the "
-            f"{lowest / um:g} µm under the film's valleys"
+            f"{name}: film layers: {thickness / um:.9g} µm thick together: expected at most "
+            f"{max(lowest - _LEAST, 0.0) / um:.9g} µm, to leave some of the prisms under their "
+            "valleys"
         )
 
 

@@ -152,7 +152,7 @@ def read_layer(
     """
     if isinstance(entry, str):
         if entry not in LAYERS:
-            raise InputError(f"{where}: layers: {entry}: expected one of {', '.join(LAYERS)}")
+            raise InputError(f"{where}: layers: {entry!r}: expected one of {', '.join(LAYERS)}")
         return entry, None, {}
     if not isinstance(entry, dict) or str(entry.get("kind")) not in OWN_VALUES:
         kinds = ", ".join(OWN_VALUES)

@@ -130,7 +130,7 @@ def read_quantity(
         or not math.isfinite(value)
         or not low <= value <= high
     ):
-        raise InputError(f"{where}.{key}: {value}: expected a number in {low:g} … {high:g}")
+        raise InputError(f"{where}.{key}: {value!r}: expected a number in {low:g} … {high:g}")
     if key.endswith("_count") and value != int(value):
         raise InputError(f"{where}.{key}: {value}: expected a whole number")
     sigma = _read_sigma(f"{where}.{key}", value, entry) if isinstance(entry, dict) else None
@@ -144,13 +144,13 @@ def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | N
     if "sigma" in entry:
         sigma = entry["sigma"]
         if not _is_number(sigma) or not sigma >= 0:
-            raise InputError(f"{where}.sigma: {sigma}: expected a number of 0 or more")
+            raise InputError(f"{where}.sigma: {sigma!r}: expected a number of 0 or more")
         return float(sigma)
     if "range" not in entry:
         return None
     ends = entry["range"]
     if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
-        raise InputError(f"{where}.range: {ends}: expected [lowest, highest], two finite numbers")
+        raise InputError(f"{where}.range: {ends!r}: expected [lowest, highest], two finite numbers")
     low, high = map(float, ends)
     if not low <= value <= high:
         raise InputError(f"{where}.range: {ends}: expected to hold the value {value:g}")

@@ -95,7 +95,10 @@ def _exit_code(error: BaseException) -> int:
 
 
 def _stopped(how: str, code: int) -> int:
-    return _fail(f"{how}: a trace goes on where it was when the same command is given again", code)
+    store = sys.modules.get("mpfcad.store.keep")
+    kept = store is not None and store.is_work_kept()
+    going = ": a trace goes on where it was when the same command is given again" if kept else ""
+    return _fail(f"{how}{going}", code)
 
 
 def _fail(line: str, code: int) -> int:

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from mpfcad.boundary.out import refuse_file_above
 from mpfcad.errors import InputError
 from mpfcad.export.exchange import exchange, flush
 from mpfcad.export.manifest import MANIFEST, SIGNATURE, is_own, kind_of, read_entries
@@ -62,7 +63,7 @@ def refuse_foreign(out: Path, kind: str) -> None:
     Raises
     ------
     InputError
-        when `out` is a file, or a folder with anything else in it.
+        when `out` is a file or leads through one, or is a folder with anything else in it.
     """
     if out.is_dir():
         if any(out.iterdir()) and kind_of(out) != kind:
@@ -71,6 +72,7 @@ def refuse_foreign(out: Path, kind: str) -> None:
             )
     elif out.exists():
         raise InputError(f"{out}: is a file: expected a folder or nothing")
+    refuse_file_above(out)
 
 
 def _hidden(out: Path, what: str) -> tuple[Path, FileLock]:

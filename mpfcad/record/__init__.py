@@ -8,7 +8,7 @@ from mpfcad.gate import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.record.cell import describe_cell
 from mpfcad.record.difference import Rounded, compare_records
 from mpfcad.record.file import ResinCheck
-from mpfcad.record.junit import junit_report, write_junit
+from mpfcad.record.junit import check_junit, junit_report, write_junit
 from mpfcad.record.luminance import CONTRAST_FORMULA, describe_luminance
 from mpfcad.record.measurement import (
     MEASUREMENT_SCHEMA,
@@ -45,6 +45,7 @@ __all__ = [
     "Rounded",
     "build_gates",
     "build_verification",
+    "check_junit",
     "compare_records",
     "confidence_gate",
     "describe_angular",

@@ -5,6 +5,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
 
+from mpfcad.boundary.out import asked_file, check_out
+
+#: How a report begins.
+_BEGINNING = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuite"
 #: Signs that no XML document may hold; a file's name may.
 _NO_XML = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
 
@@ -36,8 +40,20 @@ def junit_report(record: dict[str, Any], *, changed: str | None = None) -> bytes
 
 
 def write_junit(path: Path, record: dict[str, Any], *, changed: str | None = None) -> None:
-    """Write the report to `path`."""
-    path.write_bytes(junit_report(record, changed=changed))
+    """Write the report to `path`, whole or not at all."""
+    with asked_file(path) as part:
+        part.write_bytes(junit_report(record, changed=changed))
+
+
+def check_junit(path: Path | None) -> None:
+    """Refuse, before work, a report that cannot be written; None: none is asked for.
+
+    Raises
+    ------
+    InputError
+        when `path` is a folder, leads through a file, or is there and no JUnit report.
+    """
+    check_out("--junit", path, (_BEGINNING,))
 
 
 def _message(gate: dict[str, Any]) -> str:

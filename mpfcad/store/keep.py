@@ -31,6 +31,14 @@ KINDS = {
 }
 SUFFIX, DAMAGED, PART = ".kept", ".damaged", ".part"
 
+#: Kind and key of what this process has kept or taken.
+_touched: set[tuple[str, str]] = set()
+
+
+def is_work_kept() -> bool:
+    """Tell whether this process has kept or taken work that a next one goes on with."""
+    return any(kind != "kernel" for kind, _ in _touched)
+
 
 def code_of(kind: str) -> str:
     """Return the hash of the code that an entry of a kind comes from, as its first line has it."""
@@ -93,6 +101,7 @@ class Store:
             return None
         with suppress(OSError):
             os.utime(path)  # its age is counted from its last use
+        _touched.add((kind, key))
         return value
 
     def write(self, kind: str, key: str, content: bytes) -> None:
@@ -109,6 +118,7 @@ class Store:
                 os.fsync(file.fileno())
             part.replace(path)
             flush_folder(path.parent)
+            _touched.add((kind, key))
         except OSError as error:
             if not self._refused:
                 self._refused = True
@@ -131,6 +141,7 @@ class Store:
     def drop(self, kind: str, key: str) -> None:
         """Remove an entry, if it is there."""
         if self.folder is not None:
+            _touched.discard((kind, key))
             with suppress(OSError):
                 self.path(kind, key).unlink(missing_ok=True)
 

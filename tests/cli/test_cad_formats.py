@@ -73,3 +73,13 @@ def test_an_imperfect_film_in_every_format(tmp_path, capsys):
     assert r"('A. M\X2\00FC\X0\ller'),('Films')" in head
     assert "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF" in head
     capsys.readouterr()
+
+
+def test_a_height_map_too_large_is_refused_before_work(job, tmp_path, capsys):
+    table = "sample_across_um = 0.5\nsample_along_um = 0.5"
+    out = tmp_path / "out"
+    assert run_app(["cad", str(job(table)), "--out", str(out), "--format", "step,dat"]) == 2
+    error = capsys.readouterr().err
+    (line,) = [x for x in error.splitlines() if x.startswith("mpfcad: ")]
+    assert "job.toml: film.dat: " in line and "expected at most 1 million" in line
+    assert "writing" not in error and not out.exists()

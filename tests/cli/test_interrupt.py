@@ -8,32 +8,44 @@ import time
 
 import pytest
 
+RUN = (("run", "job.toml", "--effort", "final"), "tracing film.stl")
+CAD = (("cad", "job.toml"), "writing film.step")
+GOES_ON = ": a trace goes on where it was when the same command is given again"
+
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "kill"]
+    ("work", "number", "code", "word"),
+    [
+        (RUN, signal.SIGINT, 130, "interrupted"),
+        (RUN, signal.SIGTERM, 143, "terminated"),
+        (CAD, signal.SIGTERM, 143, "terminated"),
+    ],
+    ids=["ctrl-c", "kill", "kill of a command without a trace"],
 )
-def test_interrupted_run_leaves_nothing(tmp_path, number, code):
+def test_interrupted_work_leaves_nothing(tmp_path, work, number, code, word):
     (tmp_path / "job.toml").write_text('name = "a"\n[map]\ncurvature_per_mm = 60.0\n')
     command = "from mpfcad.cli import main; main()"
+    arguments, stage = work
     process = subprocess.Popen(
-        [sys.executable, "-c", command, "run", "job.toml", "--effort", "final"],
+        [sys.executable, "-c", command, *arguments],
         cwd=tmp_path,
         stderr=subprocess.PIPE,
         text=True,
+        env={**os.environ, "MPFCAD_CACHE": str(tmp_path / "cache")},
     )
     line = ""
-    while "tracing film.stl" not in line:
+    while stage not in line:
         line = process.stderr.readline()
-        assert line, "the run ended before it traced"
-    assert list((tmp_path / "exports").glob(".a.partial-*"))
-    time.sleep(0.5)
+        assert line, "it ended before it was interrupted"
+    assert list((tmp_path / "exports").glob(".a*.partial-*"))
+    time.sleep(0.5 if work is RUN else 0.0)
     os.kill(process.pid, number)
     rest = process.communicate(timeout=60)[1]
     assert process.returncode == code, rest
     assert "Traceback" not in rest
-    assert rest.splitlines()[-1].endswith(
-        ": a trace goes on where it was when the same command is given again"
-    )
+    # That work goes on is said where some was kept.
+    kept = list((tmp_path / "cache").glob("trace/*.kept"))
+    assert rest.splitlines()[-1] == f"mpfcad: {word}{GOES_ON if kept else ''}"
     assert list((tmp_path / "exports").iterdir()) == []
 
 

@@ -53,6 +53,11 @@ def test_light_at_the_film_is_more_than_what_leaves(tmp_path, capsys):
         (["thesis-32in-mpf", "--out", "a.ies"], ["--out: a.ies", ".tm25ray", ".dat", ".ray"]),
         (["thesis-32in-mpf", "--out", "folder.dat"], ["--out: folder.dat", "expected a file"]),
         (["no-such", "--out", "a.dat"], ["no-such"]),
+        (
+            ["thesis-32in-mpf", "--stack", "thesis-32in-bef", "--out", "a.dat"],
+            ["--stack: thesis-32in-bef", "is a stack itself"],
+        ),
+        (["thesis-32in-mpf", "--offset-mm", "1", "--out", "a.dat"], ["--offset-mm: 1", "a mesh"]),
         (["thesis-32in-mpf-plate", "--at", "film", "--out", "a.dat"], ["bonded on a plate"]),
     ],
 )

@@ -101,7 +101,7 @@ def test_two_interruptions_are_as_one(folder):
     assert process.returncode == 130, rest
     assert "Traceback" not in rest and "Exception ignored" not in rest
     assert [line for line in rest.splitlines() if line.startswith("mpfcad: ")] == [
-        "mpfcad: interrupted: a trace goes on where it was when the same command is given again"
+        "mpfcad: interrupted"
     ]
     assert list((folder / "exports").iterdir()) == []
 

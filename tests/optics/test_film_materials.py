@@ -145,7 +145,7 @@ def test_layers_thicker_than_the_film_are_refused(tmp_path):
         "film_base_thickness_um = 500\n"
     )
     mesh = film_mesh(tmp_path, MIXED)
-    with pytest.raises(InputError, match="500 µm thick together: expected less than the"):
+    with pytest.raises(InputError, match=r"500 µm thick together: expected at most 156\.249"):
         lower_stack(read_stack(path), mesh)
     with pytest.raises(TraceError, match=r"index_below 1: expected the index of film base, 1\.65"):
         build_scene([PET, Film(mesh, 1.5)])
@@ -196,5 +196,35 @@ def test_a_library_of_pieces_has_base_and_primer(tmp_path):
     with pytest.raises(InputError, match="a film of instances: expected upright, clear and smooth"):
         lower_stack(read_stack(path), library)
     path.write_text(text.replace("125", "157"))
-    with pytest.raises(InputError, match="157 µm thick together"):
+    with pytest.raises(InputError, match=r"157 µm thick together: expected at most 156\.249 µm"):
         lower_stack(read_stack(path), library)
+    path.write_text(text.replace("125", "156.25"))
+    with pytest.raises(InputError, match=r"156\.25 µm thick together: expected .* 156\.249 µm"):
+        lower_stack(read_stack(path), library)
+
+
+def test_a_primer_needs_a_base_under_it(tmp_path):
+    path = tmp_path / "stack.toml"
+    primer = "film_primer_index = 1.58\nfilm_primer_thickness_um = 5\n"
+    path.write_text(f'extends = "thesis-32in-mpf"\n[value]\n{primer}')
+    with pytest.raises(InputError, match=r"value\.film_base_thickness_um: missing: expected under"):
+        read_stack(path)
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        ('[value]\nfilm_index = "1.5"\n', r"film_index: '1\.5': expected a number"),
+        ('[value]\nfilm_index = { value = 1.5, sigma = "0.1" }\n', r"sigma: '0\.1': expected"),
+        ('layers = ["1"]\n', r"layers: '1': expected one of"),
+        ('[source]\nkind = "7"\n', r"source\.kind: '7': expected"),
+        ("[source]\nkind = 7\n", r"source\.kind: 7: expected"),
+        ('[source]\nkind = "leds"\nlattice = "square"\nemission = "batwing"\nseed = "1"\n',
+         r"seed: '1': expected a whole number"),
+    ],
+)  # fmt: skip
+def test_a_text_where_a_number_belongs_is_shown_as_a_text(tmp_path, table, says):
+    path = tmp_path / "stack.toml"
+    path.write_text(f'extends = "thesis-32in-mpf"\n{table}')
+    with pytest.raises(InputError, match=says):
+        read_stack(path)

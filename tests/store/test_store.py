@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from mpfcad.store import Store
+from mpfcad.store import Store, keep
 from mpfcad.store.entry import list_entries, prune
 
 KEY = "ab" * 32
@@ -152,3 +152,18 @@ def test_pruning_takes_only_what_no_run_can_use(store, monkeypatch):
     assert sorted(p.name for p in store.folder.rglob("*") if p.is_file()) == [
         ".y.1.aa.part", "notes.txt",
     ]  # fmt: skip
+
+
+def test_what_is_kept_is_known(tmp_path, monkeypatch):
+    monkeypatch.setattr(keep, "_touched", set())
+    store = Store(tmp_path)
+    store.write("kernel", "a" * 64, b"code")
+    assert not keep.is_work_kept()
+    store.write("trace", "b" * 64, b"tally")
+    assert keep.is_work_kept()
+    store.drop("trace", "b" * 64)
+    assert not keep.is_work_kept()
+    store.write("point", "c" * 64, b"1")
+    monkeypatch.setattr(keep, "_touched", set())
+    assert store.read("point", "d" * 64, bytes) is None and not keep.is_work_kept()
+    assert store.read("point", "c" * 64, bytes) == b"1" and keep.is_work_kept()

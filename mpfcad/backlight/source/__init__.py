@@ -42,9 +42,9 @@ def read_spec(where: str, folder: Path, entry: object) -> SourceSpec:
     """
     if not isinstance(entry, Mapping):
         raise InputError(f"{where}: source: {entry!r}: expected a table with kind")
-    kind = str(entry.get("kind"))
-    if kind not in SPECS:
-        raise InputError(f"{where}: source.kind: {kind}: expected {', '.join(SPECS)}")
+    kind = entry.get("kind")
+    if not isinstance(kind, str) or kind not in SPECS:
+        raise InputError(f"{where}: source.kind: {kind!r}: expected {', '.join(SPECS)}")
     return SPECS[kind].read(where, folder, entry)
 
 

@@ -173,17 +173,17 @@ def _rows(table: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
 def _repeat(where: str, value: Any) -> tuple[int, int]:
     good = isinstance(value, list) and len(value) == 2
     if not good or not all(type(n) is int and 1 <= n <= _MOST_REPEAT for n in value):
-        raise InputError(f"{where}.repeat: {value}: expected [across, along], 1 … {_MOST_REPEAT}")
+        raise InputError(f"{where}.repeat: {value!r}: expected [across, along], 1 … {_MOST_REPEAT}")
     return value[0], value[1]
 
 
 def _numbers(where: str, value: Any) -> tuple[int, ...]:
     if not isinstance(value, list) or not all(type(n) is int and n >= 1 for n in value):
-        raise InputError(f"{where}.dead: {value}: expected a list of LEDs' numbers from 1")
+        raise InputError(f"{where}.dead: {value!r}: expected a list of LEDs' numbers from 1")
     return tuple(value)
 
 
 def _seed(where: str, value: Any) -> int:
     if type(value) is not int or value < 0:
-        raise InputError(f"{where}.seed: {value}: expected a whole number, 0 or more")
+        raise InputError(f"{where}.seed: {value!r}: expected a whole number, 0 or more")
     return value

@@ -152,3 +152,10 @@ _HEADS: dict[str, tuple[Callable[[About, int, float], NDArray], bytes]] = {
     ".dat": (_dat, b""),
     ".ray": (_ray, RAY_END),
 }
+#: How a file of each ending begins.
+BEGINNINGS = {
+    ".tm25ray": (TM25_MAGIC,),
+    ".tm25": (TM25_MAGIC,),
+    ".dat": tuple(kind.to_bytes(4, "little") for kind in DAT_KINDS),
+    ".ray": (RAY_MAGIC,),
+}

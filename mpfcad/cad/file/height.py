@@ -83,24 +83,36 @@ def write_heights(grid: HeightGrid, path: Path, name: str) -> None:
     Raises
     ------
     InputError
-        when there are too many points: the text says how far apart they may be.
+        when there are too many points.
     """
     path = Path(path)
-    most = MOST_POINTS[path.suffix]
-    (ny, nx), (dx, dy) = grid.shape, grid.step
-    if nx * ny > most:
-        wider = dy * nx * ny / most
-        raise InputError(
-            f"film{path.suffix}: {grid.size[0]:.6g} x {grid.size[1]:.6g} mm, a point each "
-            f"{dx / um:.4g} x {dy / um:.4g} µm: {nx * ny / 1e6:.4g} million points: expected at "
-            f"most {most / 1e6:g} million: cad.sample_along_um = {math.ceil(wider / um):g} fits"
-        )
+    refuse_points(grid, path.name)
     part = path.with_name("." + path.name + ".part")
     try:
         (_write_tiff if path.suffix == ".tif" else _write_text)(grid, part, name)
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def refuse_points(grid: HeightGrid, file: str, where: str = "") -> None:
+    """Refuse a height map, by its file's name, of more points than such a file may have.
+
+    Raises
+    ------
+    InputError
+        that begins with `where` and says how far apart the points may be.
+    """
+    suffix = Path(file).suffix
+    most = MOST_POINTS[suffix]
+    (ny, nx), (dx, dy) = grid.shape, grid.step
+    if nx * ny > most:
+        wider = dy * nx * ny / most
+        raise InputError(
+            f"{where}{file}: {grid.size[0]:.6g} x {grid.size[1]:.6g} mm, a point each "
+            f"{dx / um:.4g} x {dy / um:.4g} µm: {nx * ny / 1e6:.4g} million points: expected at "
+            f"most {most / 1e6:g} million: cad.sample_along_um = {math.ceil(wider / um):g} fits"
+        )
 
 
 def _write_tiff(grid: HeightGrid, path: Path, name: str) -> None:

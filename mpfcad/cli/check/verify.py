@@ -33,8 +33,9 @@ def command(
     from mpfcad.errors import ExportError
     from mpfcad.export.signature import check_signature
     from mpfcad.pipeline import verify_export
-    from mpfcad.record import exit_code, write_junit
+    from mpfcad.record import check_junit, exit_code, write_junit
 
+    check_junit(junit)
     changed: str | None = None
     verification: dict[str, Any] = {}
     rounded: list[Any] = []

@@ -30,12 +30,13 @@ def command(
     from mpfcad.cli.terminal import Terminal, print_verdict
     from mpfcad.job import read_job
     from mpfcad.pipeline import default_out, run_job
-    from mpfcad.record import exit_code, write_junit
+    from mpfcad.record import check_junit, exit_code, write_junit
 
     job = read_job(job_file)
     if confidence and job.confidence is None:
         job = job.model_copy(update={"confidence": job.confidence_table})
     folder = out or default_out(job)
+    check_junit(junit)
     if plan:
         return _say_plan(job, job_file, folder, effort.value if effort else job.trace.effort)
     with Terminal() as terminal:

@@ -119,13 +119,16 @@ def command(
     json: Json = False,
 ) -> int:
     """Find the curvature of printed grooves from stylus traces."""
+    from mpfcad.boundary.out import check_out
     from mpfcad.errors import InputError
     from mpfcad.film import Groove, fit_stylus_trace, read_stylus_trace
+    from mpfcad.film.process.write import CALIBRATED
     from mpfcad.units import um
 
     rows = _read_coupons(files or [], aperture or [], coupons)
     if out is not None and any(ratio is None for _, ratio in rows):
         raise InputError("--out: expected an --aperture for each file")
+    check_out("--out", out, (CALIBRATED.encode(),))
     groove = Groove(pitch_um * um, depth_um * um)
     option = _option(unit, columns, tip_radius_um, tip_angle_deg, correct, upright)
     traces = [read_stylus_trace(path, groove, widths or 2, option) for path, _ in rows]

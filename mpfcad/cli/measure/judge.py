@@ -77,6 +77,7 @@ def command(
     json: Json = False,
 ) -> int:
     """Judge a measured luminance by the same code and gates as a trace."""
+    from mpfcad.boundary.out import check_out
     from mpfcad.cli.character import print_json
     from mpfcad.errors import InputError
     from mpfcad.gate import exit_code
@@ -91,6 +92,8 @@ def command(
         photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
         unit_of(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
     )  # fmt: skip
+    check_out("--out", out, (b"{\n",))
+    check_out("--page", page, (b"<!doctype html>",))
     record = judge_luminance(file, judging)
     _write(record, out, page)
     if json:
@@ -155,21 +158,16 @@ def _pair(text: str | None) -> tuple[float, float] | None:
 
 def _write(record: dict[str, Any], out: Path | None, page: Path | None) -> None:
     """Write record and page, each whole or not at all."""
-    from mpfcad.errors import InputError
+    from mpfcad.boundary.out import asked_file
     from mpfcad.export import canonical_json
     from mpfcad.report.page.judge_page import write_judge_page
 
-    try:
-        if out is not None:
-            part = out.with_name(f".{out.name}.part")
+    if out is not None:
+        with asked_file(out) as part:
             part.write_text(canonical_json(record), "utf-8")
-            part.replace(out)
-        if page is not None:
-            part = page.with_name(f".{page.name}.part")
+    if page is not None:
+        with asked_file(page) as part:
             write_judge_page(part, record)
-            part.replace(page)
-    except OSError as error:
-        raise InputError(f"{out or page}: cannot be written: {error.strerror or error}") from None
 
 
 def _print(record: dict[str, Any]) -> None:

@@ -26,7 +26,8 @@ def command(
         typer.Option(
             "--out",
             metavar="FILE",
-            help="Ray file: .tm25ray (IES TM-25), .dat (Zemax) or .ray (LightTools).",
+            help="Ray file: .tm25ray (IES TM-25), .dat (Zemax) or .ray (LightTools); "
+            "an older one is replaced.",
         ),
     ],
     at: Annotated[
@@ -67,6 +68,7 @@ def command(
     flux = record["flux_lm"]
     print(
         f"{record['file']}: {record['rays']} rays, {record['form']}, mm, "
-        f"{flux['value']:.6g} ± {flux['standard_error']:.2g} lm of {record['emitted_lm']:.6g} lm"
+        f"{flux['value']:.6g} ± {flux['standard_error']:.2g} lm; "
+        f"the lamps emit {record['emitted_lm']:.6g} lm"
     )
     return 0

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mpfcad.boundary.out import asked_file
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.process.file import read_process
@@ -15,6 +16,8 @@ from mpfcad.film.process.posterior import Calibration, FillCoupon, calibrate
 from mpfcad.film.process.tone import ToneBelief
 from mpfcad.units import um
 
+#: How a calibration that is written here begins.
+CALIBRATED = "# Process calibration"
 #: Deviation of ln(fill) of a coupon whose trace states none.
 UNSTATED_DEVIATION = 0.05
 
@@ -95,17 +98,12 @@ def write_tone_process(
 def _write(path: Path, document: str, groove: Groove) -> None:
     """Write a calibration that reads back."""
     path = Path(path)
-    part = path.with_name(f".{path.name}.part")
-    try:
+    with asked_file(path) as part:
         part.write_bytes(document.encode())
-        read_process(part, groove)
-        part.replace(path)
-    except InputError as error:
-        raise InputError(str(error).replace(str(part), str(path))) from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
-    finally:
-        part.unlink(missing_ok=True)
+        try:
+            read_process(part, groove)
+        except InputError as error:
+            raise InputError(str(error).replace(str(part), str(path))) from None
 
 
 def _tone_document(
@@ -125,7 +123,7 @@ def _tone_document(
             f"{found.birge:.3g} times as wide"
         )
     lines = [
-        "# Process calibration from stylus traces of printed coupons (mpfcad calibrate).",
+        f"{CALIBRATED} from stylus traces of printed coupons (mpfcad calibrate).",
         "schema = 1",
         'kind = "tone"',
         f"source = {json.dumps('stylus traces ' + names, ensure_ascii=False)}",
@@ -172,7 +170,7 @@ def _groove_lines(groove: Groove) -> list[str]:
 def _table_document(rows: dict[float, list[Coupon]], groove: Groove) -> str:
     names = ", ".join(coupon.name for row in rows.values() for coupon in row)
     lines = [
-        "# Process calibration from stylus traces of printed coupons (mpfcad calibrate).",
+        f"{CALIBRATED} from stylus traces of printed coupons (mpfcad calibrate).",
         "schema = 1",
         'kind = "table"',
         f"source = {json.dumps('stylus traces ' + names, ensure_ascii=False)}",

@@ -30,7 +30,7 @@ from mpfcad.mask.format.drawing import draw
 from mpfcad.mask.format.flat import flat_tiles
 from mpfcad.mask.phototool import Phototool, Polarity
 from mpfcad.mask.rule import GRID
-from mpfcad.mask.whole import Told, untold
+from mpfcad.mask.told import Told, untold
 from mpfcad.units import mm
 
 #: Side of the squares of the ratio map.

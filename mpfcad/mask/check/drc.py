@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpfcad.boundary.out import whole_file
 from mpfcad.mask.check.found import Box, FoundMask
 from mpfcad.mask.rule import GRID, MaskRules
-from mpfcad.mask.whole import whole_file
 from mpfcad.units import mm, um
 
 if TYPE_CHECKING:

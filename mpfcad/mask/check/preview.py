@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary.out import whole_file
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.check.check import READERS, SQUARE, MaskCheck
 from mpfcad.mask.check.drc import sample_windows
 from mpfcad.mask.check.found import Box, FoundMask
 from mpfcad.mask.rule import GRID
-from mpfcad.mask.whole import whole_file
 from mpfcad.units import um
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import ExportError
 from mpfcad.mask.check.count_pixels import count_tile
-from mpfcad.mask.whole import Told, untold
+from mpfcad.mask.told import Told, untold
 from mpfcad.units import mm
 
 INCH = 25.4 * mm

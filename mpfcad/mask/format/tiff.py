@@ -17,7 +17,7 @@ from mpfcad.mask.format.drawing import Drawing
 from mpfcad.mask.format.flat import flat_tiles
 from mpfcad.mask.format.raster import Raster, Spans
 from mpfcad.mask.rule import GRID
-from mpfcad.mask.whole import Told, untold
+from mpfcad.mask.told import Told, untold
 
 #: Side of a tile, and its height where a strip of them would not fit the memory [pixels].
 TILE, LOW_TILE, LARGEST_STRIP = 2048, 256, 1_000_000_000

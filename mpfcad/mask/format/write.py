@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from mpfcad.boundary.out import whole_file
 from mpfcad.errors import ExportError, InputError
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.format.drawing import Drawing, draw
@@ -14,7 +15,7 @@ from mpfcad.mask.format.oasis import write_oasis
 from mpfcad.mask.format.svg import write_svg
 from mpfcad.mask.format.tiff import write_tiff
 from mpfcad.mask.phototool import Phototool
-from mpfcad.mask.whole import Told, untold, whole_file
+from mpfcad.mask.told import Told, untold
 
 #: A file in which places stand one by one must not get larger than this [bytes].
 LARGEST_FILE = 256 * 1024**2

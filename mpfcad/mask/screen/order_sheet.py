@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mpfcad.boundary.out import whole_file
 from mpfcad.mask.check.found import FoundMask
 from mpfcad.mask.screen.order_picture import (
     POINT,
@@ -13,7 +14,6 @@ from mpfcad.mask.screen.order_picture import (
     fiducial_centres,
     find_window,
 )
-from mpfcad.mask.whole import whole_file
 from mpfcad.units import um
 
 if TYPE_CHECKING:

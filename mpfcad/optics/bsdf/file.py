@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mpfcad.boundary import TEXT_LIMIT, check_file, guarded
+from mpfcad.boundary.out import check_out
 from mpfcad.errors import InputError
 from mpfcad.optics.bsdf.basis import AngleBasis
 from mpfcad.optics.bsdf.format.astm import is_astm, read_astm
@@ -19,6 +20,8 @@ from mpfcad.optics.bsdf.missing import NOTHING, WHOLE, Matrices, Taken, fill_in
 from mpfcad.optics.bsdf.table import BsdfTable
 
 FORMATS = ("klems", "csv", "zemax")
+#: Characters by which a file is known to be of a kind.
+_BEGINNING = 8
 _SUFFIXES = (".xml", ".csv", ".astm", ".bsdf")
 #: (basis, isotropic, matrices (i, o) [1/sr] by (way, side), notes) of a file.
 _Read = tuple[AngleBasis, bool, Matrices, tuple[str, ...]]
@@ -101,7 +104,15 @@ def bsdf_texts(table: BsdfTable, stem: str, form: str) -> dict[str, str]:
 
 
 def write_texts(folder: Path, texts: dict[str, str]) -> list[Path]:
-    """Write files beside their places first, then rename them: all whole, or none."""
+    """Write files beside their places first, then rename them: all whole, or none.
+
+    Raises
+    ------
+    InputError
+        when one cannot be written, or would replace a file that begins otherwise.
+    """
+    for name, text in texts.items():
+        check_out("--out", folder / name, (text[:_BEGINNING].encode(),))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         parts = [(folder / f".{name}.part", folder / name) for name in texts]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mpfcad.pipeline.confidence.variant import RESIN, TONE, Variants
 from mpfcad.pipeline.kind import kind_of
-from mpfcad.pipeline.kind.base import Kind
+from mpfcad.pipeline.kind.base import Reprint
 from mpfcad.pipeline.plan.plan import Plan
 
 
@@ -28,33 +28,29 @@ class Reprints(Variants):
         return self.plan
 
     @cached_property
-    def _kind(self) -> Kind:
-        return kind_of(self._job.drawn, self._job.job.cad)
-
-    @cached_property
-    def _places(self) -> NDArray[np.float64] | None:
-        return self._kind.resin_places(self._job.piece)
+    def _reprint(self) -> Reprint | None:
+        return kind_of(self._job.drawn, self._job.job.cad).reprint(self._job.piece)
 
     @property
     def has_grooves(self) -> bool:
         """Whether the print sets the resin, and a film with other resin is made."""
-        return self._places is not None and not self.stack.needs_prism
+        return self._reprint is not None and not self.stack.needs_prism
 
     @cached_property
     def _modes(self) -> NDArray[np.float64] | None:
         """What the process does not know of ln(fill) of the film's places, (k, n)."""
-        process, places = self.plan.process, self._places
-        if process is None or places is None:
+        process, again = self.plan.process, self._reprint
+        if process is None or again is None:
             return None
-        modes = process.fill_modes(process.aperture_ratio_of_curvature(places.ravel()))
+        modes = process.fill_modes(process.aperture_ratio_of_curvature(again.places.ravel()))
         return None if modes is None else modes[:2]
 
     def _film(self, change: Mapping[str, float]) -> Path | None:
         """Return the mesh of the film as shipped, or of one that is written with other resin."""
-        if self._places is None or not {RESIN, TONE} & set(change):
+        again = self._reprint
+        if again is None or not {RESIN, TONE} & set(change):
             return super()._film(change)
-        factor = self.resin_factor(change).reshape(self._places.shape)
-        changed = self._kind.reprinted(self._job.piece, factor)
+        changed = again.film(self.resin_factor(change).reshape(again.places.shape))
         path = self.folder / "changed.stl"
         kind_of(changed, self._job.job.cad).write(path, self._job.job.name)
         return path

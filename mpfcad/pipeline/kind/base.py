@@ -1,7 +1,7 @@
 """What every kind of film brings to a run: CAD files, their checks, what the mask gives."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,6 +51,22 @@ class Print:
     process: Process
     ratio: Mapping[str, NDArray[np.float64]]
     wanted: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Reprint:
+    """A film that can be printed again with more or less resin.
+
+    Attributes
+    ----------
+    places
+        float64 of any shape, C [1/mm] that each place is printed for
+    film
+        the film with the resin of each place times a factor of that shape; up to nearly full
+    """
+
+    places: NDArray[np.float64]
+    film: Callable[[NDArray[np.float64]], Any]
 
 
 class Kind(ABC):
@@ -136,19 +152,12 @@ class Kind(ABC):
         }
         return ResinCheck(by_mask, mesh_volume - self.film.bare_volume, full)
 
-    def resin_places(self, piece: PrismFilm) -> NDArray[np.float64] | None:
-        """Return the C [1/mm] that each place is printed for, `piece` as designed.
+    def reprint(self, piece: PrismFilm) -> Reprint | None:
+        """Return how the film is printed with other resin, `piece` as designed.
 
         None: no print sets the resin, or no film with other resin is made of this kind.
         """
         return None
-
-    def reprinted(self, piece: PrismFilm, factor: NDArray[np.float64]) -> Any:
-        """Return the film with the resin of each place times `factor`; up to nearly full.
-
-        Only of a kind with `resin_places`, whose shape `factor` has.
-        """
-        raise NotImplementedError(type(self).__name__)
 
     @property
     def pieces(self) -> PieceLibrary | CellLibrary | None:

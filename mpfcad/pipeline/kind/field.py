@@ -11,7 +11,7 @@ from mpfcad.backlight import Stack
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import FieldPiece, Imperfection, MadeFilm, PanelFilm, PrismFilm
-from mpfcad.pipeline.kind.base import FULL, Kind, Print, step_header
+from mpfcad.pipeline.kind.base import FULL, Kind, Print, Reprint, step_header
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
@@ -44,13 +44,16 @@ class FieldGrooves(Kind):
         else:
             stl.write_mesh(field_mesh.build_field_mesh(self.film, self.angle), path, name)
 
-    def resin_places(self, piece: PrismFilm) -> NDArray[np.float64] | None:
-        return self.film.curvature if self.film.profile == "filled" else None
-
-    def reprinted(self, piece: PrismFilm, factor: NDArray[np.float64]) -> Any:
+    def reprint(self, piece: PrismFilm) -> Reprint | None:
+        if self.film.profile != "filled":
+            return None
         groove = self.film.groove
-        fill = np.clip(groove.fill_fraction(self.film.curvature) * factor, 0, FULL)
-        return replace(self.film, curvature=groove.curvature_of_fill(fill))
+
+        def film(factor: NDArray[np.float64]) -> FieldPiece:
+            fill = np.clip(groove.fill_fraction(self.film.curvature) * factor, 0, FULL)
+            return replace(self.film, curvature=groove.curvature_of_fill(fill))
+
+        return Reprint(self.film.curvature, film)
 
     def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step.body import check_film_body

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.film import Imperfection, MadeFilm, PrismFilm
-from mpfcad.pipeline.kind.base import FULL, Check, Kind, Print, step_header
+from mpfcad.pipeline.kind.base import FULL, Check, Kind, Print, Reprint, step_header
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 
@@ -75,12 +75,15 @@ class Grooves(Kind):
             expected = [self.printed(given, ratio) for ratio in given.ratio.values()]
         return max(float(np.max(np.abs(values - found))) for values in expected)
 
-    def resin_places(self, piece: PrismFilm) -> NDArray[np.float64] | None:
-        return piece.curvature if piece.profile == "filled" else None
+    def reprint(self, piece: PrismFilm) -> Reprint | None:
+        if piece.profile != "filled":
+            return None
 
-    def reprinted(self, piece: PrismFilm, factor: NDArray[np.float64]) -> Any:
-        fill = np.clip(self.film.fill_fraction * factor, 0, FULL)
-        return replace(self.film, curvature=self.film.groove.curvature_of_fill(fill))
+        def film(factor: NDArray[np.float64]) -> PrismFilm:
+            fill = np.clip(self.film.fill_fraction * factor, 0, FULL)
+            return replace(self.film, curvature=self.film.groove.curvature_of_fill(fill))
+
+        return Reprint(piece.curvature, film)
 
     def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the C [1/mm] of each groove that aperture ratios give."""

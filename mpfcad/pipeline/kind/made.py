@@ -1,7 +1,7 @@
 """Grooves as made: imperfect or measured, with the resin that the mask gives."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.cad import MeshCheck, StepCheck
 from mpfcad.film import MadeFilm, PrismFilm
 from mpfcad.film.section import Section
-from mpfcad.pipeline.kind.base import FULL, Check, Print, step_header
+from mpfcad.pipeline.kind.base import FULL, Check, Print, Reprint, step_header
 from mpfcad.pipeline.kind.groove import Grooves
 from mpfcad.pipeline.kind.words import size_words
 from mpfcad.record import ResinCheck
@@ -75,15 +75,16 @@ class MadeGrooves(Grooves):
         parabolas = self.film.film if is_parabola else None
         return check_section_stl(path, self.section, self.angle, parabolas)
 
-    def resin_places(self, piece: PrismFilm) -> NDArray[np.float64] | None:
-        # What was measured holds the resin of the print that was measured.
-        is_measured = self.film.imperfection.measured is not None
-        return None if is_measured else super().resin_places(piece)
-
-    def reprinted(self, piece: PrismFilm, factor: NDArray[np.float64]) -> Any:
+    def reprint(self, piece: PrismFilm) -> Reprint | None:
         film, own = self.film, self.film.resin_factor
+        # What was measured holds the resin of the print that was measured.
+        if film.imperfection.measured is not None or piece.profile != "filled":
+            return None
         most = FULL * film.groove.depth / 2 / (1.0 if own is None else own)
-        return film.with_resin(np.minimum(piece.resin_height * factor, most))
+        return Reprint(
+            piece.curvature,
+            lambda factor: film.with_resin(np.minimum(piece.resin_height * factor, most)),
+        )
 
     def printed(self, given: Print, ratio: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the C [1/mm] with which each groove as made holds the resin of these ratios."""

@@ -73,17 +73,25 @@ def read_case(
         when there is no such thing, or it is wrong.
     """
     path = Path(source)
+    is_job = path.suffix == ".toml"
+    if path.is_file() and not is_job:
+        return mesh_case(path, read_stack(stack or DEFAULT_STACK, thickness=thickness), offset)
+    if offset:
+        raise InputError(f"--offset-mm: {offset:g}: of {source}: expected a mesh, or no offset")
     if path.is_dir():
         return _read_export(path, stack, thickness, alone)
-    if path.suffix == ".toml" and path.is_file():
-        return job_case(read_job(path), path, stack, thickness, alone=alone)
     if path.is_file():
-        return mesh_case(path, read_stack(stack or DEFAULT_STACK, thickness=thickness), offset)
+        return job_case(read_job(path), path, stack, thickness, alone=alone)
     if path.suffix or path.name != source:
         raise InputError(
             f"{source}: no such file: expected a closed mesh in mm, a job, an export or a preset"
         )
-    return plain_case(read_stack(source, thickness=thickness))
+    own = read_stack(source, thickness=thickness)
+    if stack is not None:
+        raise InputError(
+            f"--stack: {stack}: {source} is a stack itself: expected a mesh, a job or an export"
+        )
+    return plain_case(own)
 
 
 def mesh_case(mesh: Path | None, stack: Stack, offset: float) -> Case:

@@ -5,10 +5,16 @@ from typing import Any
 
 import mpfcad
 from mpfcad.backlight.source.ray_layout import FORMS
-from mpfcad.backlight.source.ray_write import About, Keep, check_ray_suffix, write_ray_file
+from mpfcad.backlight.source.ray_write import (
+    BEGINNINGS,
+    About,
+    Keep,
+    check_ray_suffix,
+    write_ray_file,
+)
+from mpfcad.boundary.out import asked_file, check_out
 from mpfcad.errors import InputError
 from mpfcad.export import sha256
-from mpfcad.mask.whole import whole_file
 from mpfcad.measure import Checkpoints, TraceRun
 from mpfcad.measure.rays import At, RayResult, collect_rays, gate_of
 from mpfcad.pipeline.effort import available_threads
@@ -38,8 +44,8 @@ def write_rays(
 
     out = Path(out)
     suffix = check_ray_suffix("--out", out)
-    if out.is_dir():
-        raise InputError(f"--out: {out}: is a folder: expected a file")
+    check_out("--out", out, BEGINNINGS[suffix])
+    _refuse_source(case, out)
     gate_of(case.lit, at)
     run = TraceRun(
         seed, threads or available_threads(), checkpoints=Checkpoints(), progress=progress.trace
@@ -51,12 +57,8 @@ def write_rays(
         return found[0].unit
 
     progress.stage(f"{case.name} in {case.lit.stack.name}: light that {_WORDS[at]}")
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(out) as part:
-            write_ray_file(part, suffix, _about(case, at, seed), collect)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be written: {error.strerror or error}") from None
+    with asked_file(out) as part:
+        write_ray_file(part, suffix, _about(case, at, seed), collect)
     result = found[0]
     return {
         "schema": 1, "file": str(out), "form": FORMS[suffix], "sha256": sha256(out),
@@ -64,6 +66,13 @@ def write_rays(
         "rays": result.rays, "paths": result.paths, "flux_lm": describe_estimate(result.flux),
         "emitted_lm": case.lit.stack.source.flux,
     }  # fmt: skip
+
+
+def _refuse_source(case: Case, out: Path) -> None:
+    """Refuse to replace a file that the light source is read from."""
+    sources = case.lit.stack.spec.describe().get("files", {})
+    if out.is_file() and sha256(out) in sources.values():
+        raise InputError(f"--out: {out}: is the light source's own file: expected another file")
 
 
 def _about(case: Case, at: At, seed: int) -> About:

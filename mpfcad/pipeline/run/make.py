@@ -12,7 +12,7 @@ from mpfcad.job import Job
 from mpfcad.mask import Mask, MaskCheck, MaskRules, Phototool
 from mpfcad.mask.format.write import FORMATS
 from mpfcad.mask.screen.order import artwork_size
-from mpfcad.mask.whole import Told
+from mpfcad.mask.told import Told
 from mpfcad.pipeline.kind import Check, kind_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.pipeline.plan.plan import Plan
@@ -223,13 +223,15 @@ def write_tiles(plan: Plan, folder: Path, progress: Progress) -> list[str]:
 
 
 def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
-    """Refuse CAD formats that the kind of film is not written in.
+    """Refuse CAD formats that the kind of film is not written in, and height maps too large.
 
     Raises
     ------
     InputError
         naming the format, or `cad.stl` for tiles of cells.
     """
+    from mpfcad.cad.file.height import refuse_points
+
     kind = kind_of(plan.drawn, plan.job.cad)
     allowed = kind.formats
     unknown = [name for name in formats if name not in allowed]
@@ -241,6 +243,10 @@ def refuse_formats(plan: Plan, formats: Sequence[str], where: str) -> None:
         raise InputError(
             f"{where}: cad.stl: tiles: expected 'whole' for cells and maps that vary along grooves"
         )
+    for film in plan.films:
+        for suffix in (name for name in formats if name in HEIGHT_FORMATS):
+            grid = kind_of(film.drawn, film.job.cad).grid()
+            refuse_points(grid, film.file("film", suffix), f"{where}: ")
 
 
 def refuse_unprintable(job: Job, where: str) -> None:
