@@ -4,11 +4,14 @@ What the libraries print there is dropped; what goes wrong is one line that name
 that does not end is stopped, where the system counts a process's time: not on Windows.
 """
 
+import importlib
+import math
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -19,9 +22,9 @@ from mpfcad.errors import InputError, MpfcadError
 
 Value = TypeVar("Value")
 _CHILD = "from mpfcad.boundary.apart import serve; serve()"
-#: Time of a processor that a call may take, and more of it for what it reads [s, s a megabyte]: ten
-#: times what checking a film of a lamp pitch takes.
-_PATIENCE, _PATIENCE_MB = 30.0, 60.0
+#: Time of a processor that a call may take once its libraries are loaded, and more of it for what
+#: it reads [s, s a megabyte]: ten times what checking a film of a lamp pitch takes.
+_PATIENCE, _PATIENCE_MB = 10.0, 60.0
 _told: Callable[[str], None] | None = None
 
 
@@ -32,11 +35,12 @@ def apart(
     *arguments: Any,
     kind: type[MpfcadError] = InputError,
     stage: Callable[[str], None] | None = None,
+    libraries: tuple[str, ...] = (),
 ) -> Value:
     """Return what a function of a module gives for these arguments, called in another process.
 
     `stage` is called with what the function tells by `tell_stage`; the last one stands in the line
-    of a crash.
+    of a crash. `libraries` are modules that are slow to load; that is none of the call's time.
 
     Raises
     ------
@@ -53,7 +57,8 @@ def apart(
     try:
         assert child.stdin is not None and child.stdout is not None
         with suppress(BrokenPipeError), child.stdin as call:
-            pickle.dump((str(where), expected, function, arguments, kind, patience), call)
+            pickle.dump((libraries, patience), call)
+            pickle.dump((str(where), expected, function, arguments, kind), call)
         while True:
             try:
                 word, value = pickle.load(child.stdout)
@@ -86,11 +91,13 @@ def _patience(arguments: tuple[Any, ...]) -> int:
 
 
 def _limit_time(seconds: int) -> None:
+    """Have the system end this process after so much more time of a processor."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
         _, most = resource.getrlimit(resource.RLIMIT_CPU)
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, most))
+        ends = seconds + math.ceil(time.process_time())
+        resource.setrlimit(resource.RLIMIT_CPU, (ends, most))
 
 
 def tell_stage(text: str) -> None:
@@ -106,7 +113,11 @@ def serve() -> None:
     answer = os.fdopen(os.dup(1), "wb")
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)
-    where, expected, function, arguments, kind, patience = pickle.load(sys.stdin.buffer)
+    libraries, patience = pickle.load(sys.stdin.buffer)
+    for library in libraries:
+        with suppress(ImportError):  # the call says what is missing
+            importlib.import_module(library)
+    where, expected, function, arguments, kind = pickle.load(sys.stdin.buffer)
     _limit_time(patience)
 
     def tell(word: str, value: object) -> None:

@@ -1,7 +1,9 @@
 """A scheduler that is not there, has no worker, or a worker of another version: one line."""
 
+import threading
+
 import pytest
-from distributed import LocalCluster, Scheduler, SpecCluster
+from distributed import LocalCluster, Scheduler, SpecCluster, Worker
 
 from mpfcad.cli import run_app
 from mpfcad.pipeline.sweep import cluster as clustered
@@ -60,3 +62,40 @@ def test_no_scheduler_and_no_worker_are_one_line(refused, monkeypatch):
     options = {"protocol": "inproc", "dashboard": False}
     with SpecCluster(scheduler={"cls": Scheduler, "options": options}, workers={}) as cluster:
         assert "expected a Dask scheduler with workers" in refused(cluster.scheduler_address)
+
+
+@pytest.mark.parametrize(
+    ("lost", "words"),
+    [("worker", "no worker is left"), ("scheduler", "the connection was lost")],
+)
+def test_who_vanishes_while_a_point_is_traced_is_one_line(refused, monkeypatch, lost, words):
+    began, over = threading.Event(), threading.Event()
+
+    def hanging(point):
+        began.set()
+        over.wait(60)
+
+    monkeypatch.setattr(clustered, "trace_point", hanging)
+    monkeypatch.setattr(clustered, "_LOOK", 0.2)
+    options = {"protocol": "inproc", "dashboard": False}
+    of_one = {"cls": Worker, "options": {"nthreads": 1}}
+    with SpecCluster(
+        scheduler={"cls": Scheduler, "options": options}, workers={0: of_one}
+    ) as cluster:
+
+        def vanish():
+            assert began.wait(60)
+            monkeypatch.setattr(clustered, "_PATIENCE", 1.0)
+            gone = cluster.scheduler
+            call = gone.close() if lost == "scheduler" else gone.remove_worker(
+                next(iter(gone.workers)), stimulus_id="test", close=False
+            )  # fmt: skip
+            cluster.sync(lambda: call)
+
+        thread = threading.Thread(target=vanish)
+        thread.start()
+        try:
+            assert words in refused(cluster.scheduler_address)
+        finally:
+            over.set()
+            thread.join()

@@ -29,6 +29,12 @@ def spin(path):
         pass
 
 
+def load_then_answer(value):
+    import slow_library
+
+    return value + slow_library.VALUE
+
+
 def refuse(path):
     raise InputError(f"{path}: row 3: expected numbers")
 
@@ -58,6 +64,23 @@ def test_a_call_without_end_is_stopped(monkeypatch, tmp_path):
     says = r"a: its reader did not end within 2 s of a processor while reading film\.step: expect"
     with pytest.raises(InputError, match=says):
         apart("a", "a solid", spin, tmp_path / "a")
+
+
+def test_loading_a_library_is_none_of_a_calls_time(monkeypatch, tmp_path):
+    text = "import time\nwhile time.process_time() < 3:\n    pass\nVALUE = 2\n"
+    (tmp_path / "slow_library.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    module = sys.modules["mpfcad.boundary.apart"]
+    monkeypatch.setattr(module, "_PATIENCE", 1.0)
+    assert apart("a", "a solid", load_then_answer, 1, libraries=("slow_library", "none")) == 3
+    if os.name != "nt":
+        with pytest.raises(InputError, match="did not end within 1 s of a processor"):
+            apart("a", "a solid", load_then_answer, 1)
+
+
+def test_a_call_that_needs_no_file_has_ten_seconds():
+    module = sys.modules["mpfcad.boundary.apart"]
+    assert module._patience(()) == 10
 
 
 def test_an_error_is_the_same_error():

@@ -28,7 +28,7 @@ TIME_LIMIT, MEMORY_LIMIT = 10.0, 6_000_000_000
 _POOL = 400
 #: Files that one process reads with a library in C++, and how long it may take of a processor, and
 #: of the clock, for one of them [s]: on a busy machine it may wait, a deadlock has no end.
-_CHUNK, _BUSY, _SILENT = 5000, 20.0, 600.0
+_CHUNK, _BUSY, _SILENT = 5000, TIME_LIMIT, 600.0
 
 
 class TooSlowError(BaseException):

@@ -141,7 +141,10 @@ def _compare(file: Path, planned: "MaskPlan") -> int:
         raise InputError(f"--compare: {file}: expected a file .{', .'.join(RETURNED)}")
     try:
         # In a process of its own: what a maker sends back may make a reader in C++ crash.
-        found = apart(file, "a mask file", compare_mask, file, planned.mask, planned.phototool())
+        found = apart(
+            file, "a mask file", compare_mask, file, planned.mask, planned.phototool(),
+            libraries=("klayout.db",),
+        )  # fmt: skip
     except ExportError as error:
         raise InputError(str(error)) from None
     print("\n".join(comparison_lines(found)))

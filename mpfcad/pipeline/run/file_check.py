@@ -120,7 +120,7 @@ def examine_foreign(
     """
     return apart(
         folder, "an export as it was written", _examine, folder, plan, mask,
-        kind=ExportError, stage=progress.stage,
+        kind=ExportError, stage=progress.stage, libraries=("OCP.STEPControl", "klayout.db"),
     )  # fmt: skip
 
 

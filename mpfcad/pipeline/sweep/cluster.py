@@ -2,15 +2,18 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpfcad.errors import InputError, MpfcadError
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.point.trace import Point, trace_point
 from mpfcad.store import code_hash, versions
 
-#: How long to wait for a scheduler, and for its first worker [s].
-_PATIENCE = 30.0
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: How long to wait for a scheduler and for a worker, and how often to look for them [s].
+_PATIENCE, _LOOK = 30.0, 5.0
 
 
 def running() -> dict[str, str]:
@@ -45,7 +48,8 @@ def traced_points(
     Raises
     ------
     InputError
-        when the scheduler does not answer, has no worker, or one of another version.
+        when the scheduler does not answer or is lost, has no worker or none any more, or one of
+        another version.
     """
     if scheduler is None and workers == 1:
         yield ((i, trace_point(point)) for i, point in points.items())
@@ -72,33 +76,86 @@ def traced_points(
             raise InputError(
                 f"--scheduler: {scheduler}: {reason}: expected a Dask scheduler with workers"
             ) from None
-        with client:
+        try:
             asked = running()
             futures = {
                 client.submit(trace_there, point, asked, pure=False): i
                 for i, point in points.items()
             }
-            yield _results(futures, scheduler)
+            yield _results(client, futures, scheduler)
+        finally:
+            client.close(timeout=1)
         if not isinstance(cluster, str):
             cluster.close()
 
 
 def _results(
-    futures: dict[Any, int], scheduler: str | None
+    client: "Client", futures: dict[Any, int], scheduler: str | None
 ) -> Iterator[tuple[int, dict[str, Any]]]:
-    from distributed import as_completed
+    from distributed import KilledWorker
 
-    for done in as_completed(futures):
+    where = f"--scheduler: {scheduler}" if scheduler else "--workers"
+    for done in _finished(client, set(futures), where):
         try:
             yield futures[done], done.result()
         except InputError as error:
-            raise InputError(f"--scheduler: {scheduler}: {error}") from None
+            raise InputError(f"{where}: {error}") from None
         except MpfcadError:
             raise
+        except KilledWorker as error:
+            raise InputError(
+                f"{where}: {error.allowed_failures + 1} workers died while they traced one point: "
+                "expected workers with memory enough"
+            ) from None
         except (ImportError, AttributeError, TypeError) as error:
             # What a worker raises whose package lacks what is asked of it.
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
             raise InputError(
-                f"--scheduler: {scheduler}: a worker cannot do it ({reason}): expected the same "
+                f"{where}: a worker cannot do it ({reason}): expected the same "
                 "version of mpfcad on each worker"
             ) from None
+
+
+def _finished(client: "Client", left: set[Any], where: str) -> Iterator[Any]:
+    """Give each future once it is done, as long as there is somebody who works on them.
+
+    Raises
+    ------
+    InputError
+        beginning with `where`, when the scheduler is lost or stays silent, or has no worker left.
+    """
+    from concurrent.futures import CancelledError
+
+    from distributed import wait
+
+    alone = 0.0
+    while left:
+        try:
+            done, left = wait(left, timeout=_LOOK, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            alone = 0.0 if _has_worker(client, where) else alone + _LOOK
+            if alone > _PATIENCE:
+                raise InputError(
+                    f"{where}: no worker is left, since {alone:.0f} s: expected workers until the "
+                    "last point is traced; what is done is kept"
+                ) from None
+            continue
+        except CancelledError:
+            raise InputError(
+                f"{where}: the connection was lost: expected a Dask scheduler that stays; what "
+                "is done is kept"
+            ) from None
+        yield from done
+
+
+def _has_worker(client: "Client", where: str) -> bool:
+    """Tell whether the scheduler has a worker."""
+    try:
+        found = client.sync(client.scheduler.identity, callback_timeout=_PATIENCE)
+    except OSError as error:
+        reason = " ".join(str(error).split())[:120]
+        raise InputError(
+            f"{where}: does not answer ({reason}): expected a Dask scheduler that stays; what is "
+            "done is kept"
+        ) from None
+    return bool(found["workers"])

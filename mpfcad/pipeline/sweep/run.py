@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
+from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.job.sweep import Sweep
 from mpfcad.pipeline.point.trace import (
     POINT,
@@ -48,9 +48,11 @@ def run_sweep(
     ------
     InputError
         when the sweep or a point of it is wrong, before anything is traced; when the scheduler does
-        not answer or a worker of it runs another version.
+        not answer, is lost, or a worker of it runs another version; when `out` is something else
+        than an older sweep.
     """
     sweep_file, out = Path(sweep_file), Path(out)
+    refuse_foreign(out.resolve(), "sweep")
     points = [build_point(sweep, sweep_file, coordinate) for coordinate in sweep.points()]
     is_cell = points[0].is_cell
     if main_axis(sweep) == THICKNESS_AXIS and not is_cell:

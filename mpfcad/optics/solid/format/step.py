@@ -33,7 +33,9 @@ def read_step(path: Path, data: bytes) -> MeshFile:
             f"{path}: STEP: {faces} faces: expected at most {MOST_FACES} to tessellate: give the "
             "film's STL, or fewer grooves"
         )
-    bodies = apart(path, "a STEP file of solids", read_solids, path, data)
+    bodies = apart(
+        path, "a STEP file of solids", read_solids, path, data, libraries=("OCP.STEPControl",)
+    )
     if not bodies:
         raise InputError(f"{path}: STEP: no solid in it: expected one or more")
     kind = f"STEP, facets within {np.degrees(SLOPE_TOLERANCE):g} deg of the surface's slope"
