@@ -10,12 +10,14 @@ from mpfcad.measure.angle.angular import AngularCurve, AngularResult, angular_lu
 from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.angle.survey import Survey, survey_directions
 from mpfcad.measure.camera import CameraResult, camera_image
+from mpfcad.measure.cell.block import BlockResult, block_figures
 from mpfcad.measure.cell.luminance import (
     CellResult,
     compile_cell_tracer,
     luminance_over_cell,
     trace_terms,
 )
+from mpfcad.measure.cell.spread import SpreadResult, led_spread
 from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.contrast.contrast import contrast_of_curve
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
@@ -41,6 +43,7 @@ __all__ = [
     "SCREEN_POINTS",
     "AngularCurve",
     "AngularResult",
+    "BlockResult",
     "CameraResult",
     "CellResult",
     "Checkpoints",
@@ -54,11 +57,13 @@ __all__ = [
     "PanelResult",
     "PolarisationResult",
     "Spot",
+    "SpreadResult",
     "Survey",
     "TraceRun",
     "TraceState",
     "UniformityResult",
     "angular_luminance",
+    "block_figures",
     "camera_image",
     "check_finite",
     "compile_cell_tracer",
@@ -68,6 +73,7 @@ __all__ = [
     "fit_curve",
     "fit_harmonics",
     "harmonic_amplitude",
+    "led_spread",
     "light_film",
     "luminance_over_cell",
     "luminance_over_pitch",

@@ -24,6 +24,7 @@ from mpfcad.record.measurement import (
     ratio,
 )
 from mpfcad.record.published import SCHEMAS, published_schema
+from mpfcad.record.spread import describe_spread
 from mpfcad.record.verdict import ORDER, in_order
 from mpfcad.record.verification import (
     Checks,
@@ -58,6 +59,7 @@ __all__ = [
     "describe_luminance",
     "describe_panel",
     "describe_polarisation",
+    "describe_spread",
     "describe_uniformity",
     "exit_code",
     "in_order",

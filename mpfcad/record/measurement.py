@@ -114,9 +114,14 @@ def describe_uniformity(result: UniformityResult) -> dict[str, Any]:
 
 
 def describe_camera(result: CameraResult) -> dict[str, Any]:
-    """Return the picture's lines across the lamps, each in equal parts along them."""
+    """Return the picture's lines across the lamps, each in equal parts along them.
+
+    Over LEDs it is one cell's pixels, and how often the cell stands in the picture.
+    """
+    of_cell = {"pixel_along_mm": result.pixel_along, "cells": result.cells and list(result.cells)}
     return {
         "pixel_mm": result.pixel,
+        **(of_cell if result.cells else {}),
         "luminance_cd_m2": [_numbers(line) for line in result.luminance],
         "standard_error_cd_m2": [_numbers(line) for line in result.standard_error],
         "paths": result.paths,

@@ -58,7 +58,7 @@ def estimates(value):
 def test_measure_writes_its_files_and_every_figure_has_its_error(measured):
     assert sorted(path.name for path in measured.iterdir()) == FILES
     record = json.loads((measured / "measure.json").read_text())
-    lacking = {"panel", "polarisation"}
+    lacking = {"psf", "panel", "polarisation"}
     assert set(WHAT) - lacking <= set(record) and not lacking & set(record)
     found = [entry for entry in estimates(record) if "formula" not in entry]
     assert len(found) > 25
@@ -230,3 +230,8 @@ def test_figures_are_listed_and_what_only_has_an_interval_is_left_out(capsys, tm
     first, page = capsys.readouterr().out.splitlines()
     assert first.split() == ["contrast.lamp_mura_contrast", "0.0123", "±", "0.0004"]
     assert page == str(tmp_path / "measure.html")
+
+
+def test_what_is_of_leds_alone_is_refused_of_tubes(capsys):
+    assert run_app(["measure", "thesis-32in-mpf", "--what", "psf"]) == 2
+    assert "of LEDs alone" in capsys.readouterr().err

@@ -128,7 +128,7 @@ def test_irradiance_of_an_endless_lambertian_array_in_closed_form(ratio, publish
         assert closed == pytest.approx(published, abs=6e-5)
     scene = build_scene([board(height, pitch, LAMBERTIAN, size=1e-6)])
     meter, paths = CellMeter(0.0, pitch, pitch, 4), 60_000
-    score = np.zeros(meter.size)
+    score = np.zeros(meter.size(1))
     arrive(scene, meter, height, 12, paths, np.zeros((2, TERMS)), score)
     found = score[: TERMS**2].reshape(TERMS, TERMS) / paths
     cosine = [0, *range(1, TERMS, 2)]
@@ -224,7 +224,7 @@ def test_many_leds_share_the_light_by_their_flux():
         board(6.0, 20.0, LAMBERTIAN, size=1e-6, position=place, factor=np.array([1.0, 3.0]))
     ])  # fmt: skip
     meter, paths = CellMeter(0.0, 20.0, 20.0, 4), 60_000
-    score = np.zeros(meter.size)
+    score = np.zeros(meter.size(1))
     arrive(scene, meter, 6.0, 17, paths, np.zeros((2, TERMS)), score)
     wave = 2 * np.pi * 6.0 / 20.0
     off = score[TERMS] / paths + 0.5 * k1(wave)

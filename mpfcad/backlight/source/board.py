@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight.source.emission import batwing, cosine
 from mpfcad.backlight.source.lattice import LATTICES, binned, is_mirrored, overlap, repeated
 from mpfcad.backlight.source.protocol import Emitters, Period, StackValues
+from mpfcad.backlight.source.zone import Zones, ZoneSpec, lay_zones
 from mpfcad.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,6 +50,10 @@ class LedChoice(Protocol):
     @property
     def seed(self) -> int:
         """Of the draws."""
+
+    @property
+    def zones(self) -> ZoneSpec | None:
+        """Zones, if any."""
 
 
 @dataclass(frozen=True)
@@ -170,9 +175,32 @@ class LedBoard:
             )
         if not self.placed[:, 2].any():
             raise InputError(f"{where}: source.dead: all LEDs: expected one that shines")
+        self._lay_zones(where)
         both = overlap(self.placed, self.period, self.size)
         if both:
             raise InputError(f"{where}: {self._overlap_words(*both)}")
+
+    @property
+    def zones(self) -> Zones | None:
+        """The zones that are dimmed by themselves; None of a board without."""
+        return self._lay_zones("source.zones")
+
+    def _lay_zones(self, where: str) -> Zones | None:
+        spec = self.spec.zones
+        if spec is None:
+            return None
+        if self.spec.repeat != (1, 1):
+            raise InputError(
+                f"{where}: source.zones: with repeat = {list(self.spec.repeat)}: expected [1, 1]"
+            )
+        (width, length), (across, along) = self.cell, self.cells
+        first = [-((n - 1) // 2) for n in (across, along)]
+        x = self.origin[0] + (first[0] + np.arange(across)) * width
+        y = self.origin[1] + (first[1] + np.arange(along)) * length
+        place = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+        led = self._even[:, None, None, :2] + place
+        panel = self.stack["panel_width_mm"], self.stack["panel_length_mm"]
+        return lay_zones(f"{where}: source.zones", spec, led, panel, self.lit_size)
 
     def _overlap_words(self, first: int, second: int) -> str:
         """Return which LEDs overlap, by what, and what was expected."""

@@ -13,9 +13,12 @@ from mpfcad.backlight.source.board import LedBoard
 from mpfcad.backlight.source.emission import FORMULAS, read_emission
 from mpfcad.backlight.source.lattice import LATTICES, folder_text, read_positions
 from mpfcad.backlight.source.protocol import Range, StackValues
+from mpfcad.backlight.source.zone import ZoneSpec, read_zones
 from mpfcad.errors import InputError
 
-_KEYS = ("kind", "lattice", "positions", "emission", "repeat", "dead", "seed", "tag", "source")
+_KEYS = (
+    "kind", "lattice", "positions", "emission", "repeat", "dead", "seed", "zones", "tag", "source",
+)  # fmt: skip
 #: Which formula a value is of.
 _OF_FORMULA = {"led_half_angle_deg": "cosine", "led_peak_angle_deg": "batwing"}
 _MOST_REPEAT = 20
@@ -43,6 +46,8 @@ class LedSpec:
         where a measured emission comes from
     files
         SHA-256 of each file read, by its name
+    zones
+        how many are dimmed by themselves across and along the panel, or their rectangles; or none
     """
 
     lattice: str = "square"
@@ -55,6 +60,7 @@ class LedSpec:
     tag: str = "given"
     source: str = "given by the user"
     files: Mapping[str, str] = field(default_factory=dict)
+    zones: ZoneSpec | None = None
 
     kind: ClassVar[str] = "leds"
     ranges: ClassVar[Mapping[str, Range]] = {
@@ -105,11 +111,16 @@ class LedSpec:
         if emission not in FORMULAS:
             names.append(emission)
             intensity = _rows(read_emission(f"{where}.emission", folder, emission))
+        zones = None
+        if "zones" in entry:
+            zones = read_zones(f"{where}.zones", folder, entry["zones"])
+            names += [str(entry["zones"])] if isinstance(entry["zones"], str) else []
         files = {n: hashlib.sha256((folder / n).read_bytes()).hexdigest() for n in names}
         return cls(
             lattice, emission, listed, intensity, _repeat(where, entry.get("repeat", [1, 1])),
             _numbers(where, entry.get("dead", [])), _seed(where, entry.get("seed", 1)),
             str(entry.get("tag", "given")), str(entry.get("source", "given by the user")), files,
+            zones,
         )  # fmt: skip
 
     @classmethod
@@ -120,6 +131,7 @@ class LedSpec:
             values[key] = tuple(map(tuple, values[key]))
         for key in ("repeat", "dead"):
             values[key] = tuple(values[key])
+        values["zones"] = ZoneSpec.restore(values.get("zones"))
         return cls(**values)
 
     def describe(self) -> dict[str, Any]:
@@ -136,6 +148,7 @@ class LedSpec:
             "tag": self.tag,
             "source": self.source,
             "files": dict(self.files),
+            **({} if self.zones is None else {"zones": self.zones.describe()}),
         }
 
     def find_range(self, key: str) -> Range | None:
@@ -159,6 +172,7 @@ class LedSpec:
         return [
             {"name": "led_lattice", "value": self.lattice, **seen},
             {"name": "led_emission", "value": self.emission, **seen},
+            *([{"name": "led_zones", "value": self.zones.words, **tag}] if self.zones else []),
         ]
 
     def of(self, stack: StackValues) -> LedBoard:

@@ -1,5 +1,6 @@
 """Normal luminance over a cell of LEDs, traced from the LEDs and connected at the top sheet."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -75,23 +76,43 @@ def luminance_over_cell(
         when more than 1e-6 of the light is lost.
     """
     from mpfcad.optics.forward.connection import CellMeter
-    from mpfcad.optics.forward.engine import can_connect
 
     run = run or TraceRun()
+    refuse_sheetless(lit)
+    period = lit.stack.period
+    meter = CellMeter(lit.stack.acceptance, period.across, period.along, BINS)
+    mirrored = _is_mirrored(lit)
+
+    def half_width(tally: "CellTally") -> float:
+        series = _series(lit, meter, tally, mirrored)
+        found.append((series, series.contrast(run.seed)))
+        return found[-1][1].half_width
+
+    found: list[tuple[CellSeries, Estimate]] = []
+    tally = cell_rounds(lit, meter, run, half_width, half_width_goal, FIGURE)
+    series, contrast = found[-1]
+    value, error = cell_map(lit, meter, tally)
+    return CellResult(
+        (period.across, period.along), series, contrast, series.mean, value, error,
+        _energy(lit, tally), tally.paths, lit.accelerator, mirrored,
+    )  # fmt: skip
+
+
+def refuse_sheetless(lit: Lit) -> None:
+    """Raise unless paths from the LEDs can be joined with the meter.
+
+    Raises
+    ------
+    InputError
+        when the topmost layer is no sheet that scatters.
+    """
+    from mpfcad.optics.forward.engine import can_connect
+
     if not can_connect(lit.scene):
         raise InputError(
             f"{lit.stack.name}: layers: {lit.stack.layers[-1]}: LEDs are traced to a scattering "
             "sheet on top: expected a sheet with sigma above 0 as the last layer"
         )
-    period = lit.stack.period
-    meter = CellMeter(lit.stack.acceptance, period.across, period.along, BINS)
-    mirrored = _is_mirrored(lit)
-    tally, series, contrast = _rounds(lit, meter, run, half_width_goal, mirrored)
-    value, error = _map(tally, _scale(lit, meter) * BINS * BINS)
-    return CellResult(
-        (period.across, period.along), series, contrast, series.mean, value, error,
-        _energy(lit, tally), tally.paths, lit.accelerator, mirrored,
-    )  # fmt: skip
 
 
 def compile_cell_tracer(lit: Lit) -> None:
@@ -102,24 +123,33 @@ def compile_cell_tracer(lit: Lit) -> None:
     trace_forward(lit.scene, CellMeter(lit.stack.acceptance, *lit.stack.period, BINS), 1)
 
 
-def _rounds(
-    lit: Lit, meter: "CellMeter", run: TraceRun, goal: float, mirrored: bool
-) -> tuple["CellTally", CellSeries, Estimate]:
-    """Return the tally of enough rounds, its series and contrast."""
+def cell_rounds(
+    lit: Lit,
+    meter: "CellMeter",
+    run: TraceRun,
+    error_of: "Callable[[CellTally], float]",
+    goal: float,
+    figure: str,
+) -> "CellTally":
+    """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
+
+    Raises
+    ------
+    TraceError
+        when more than 1e-6 of the light is lost, and no gate judges it.
+    """
     from mpfcad.optics.forward.engine import BLOCK, trace_forward
 
     tally: CellTally | None = None
     error = float("nan")
     while True:
         if tally is not None:
-            series = _series(lit, meter, tally, mirrored)
-            contrast = series.contrast(run.seed)
-            error = contrast.half_width
+            error = error_of(tally)
             if error <= goal or tally.paths >= run.path_limit:
                 break
         done = tally.blocks if tally is not None else 0
         more = max(_LEAST_BLOCKS, done // 4)
-        state = TraceState(done * BLOCK, run.path_limit, error, goal, FIGURE)
+        state = TraceState(done * BLOCK, run.path_limit, error, goal, figure)
         watch = Watch(run.progress, state, BLOCK)
         part = trace_forward(
             lit.scene, meter, more, seed=run.seed, first=done, threads=run.threads,
@@ -127,11 +157,11 @@ def _rounds(
         )  # fmt: skip
         tally = part if tally is None else tally.plus(part)
     if run.progress:
-        run.progress(TraceState(tally.paths, tally.paths, error, goal, FIGURE))
+        run.progress(TraceState(tally.paths, tally.paths, error, goal, figure))
     lost = _share(tally, "lost")
     if lost > _LOST_LIMIT and not run.judged:
         raise TraceError(f"{lit.name}: {lost:.2e} of the light was lost; expected {_LOST_LIMIT:g}")
-    return tally, series, contrast
+    return tally
 
 
 def _scale(lit: Lit, meter: "CellMeter") -> float:
@@ -180,15 +210,18 @@ def _terms(
     return factor * mean, covariance * np.outer(factor, factor)
 
 
-def _map(tally: "CellTally", scale: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def cell_map(
+    lit: Lit, meter: "CellMeter", tally: "CellTally"
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the luminance of the meter's bins and its standard error, (b, b) float64 [cd/m²]."""
     from mpfcad.optics.forward.connection import TERMS
     from mpfcad.optics.forward.engine import BLOCK
 
-    blocks, factor = tally.blocks, scale / BLOCK
+    blocks, bins = tally.blocks, meter.bins
+    factor = _scale(lit, meter) * bins * bins / BLOCK
     mean = tally.score[TERMS * TERMS :] / blocks
     variance = np.maximum(0.0, tally.square / blocks - mean**2) / (blocks - 1)
-    shape = (BINS, BINS)
-    return factor * mean.reshape(shape), factor * np.sqrt(variance).reshape(shape)
+    return factor * mean.reshape(bins, bins), factor * np.sqrt(variance).reshape(bins, bins)
 
 
 def _is_mirrored(lit: Lit) -> bool:

@@ -29,17 +29,31 @@ class CellMeter(NamedTuple):
     across, along
         the cell's size [mm]; it lies about x = y = 0
     bins
-        along each axis, of the luminance's map
+        along each axis, of the luminance's map of a cell
+    reach
+        cells on either side of the LED's own whose map is scored, of each LED by itself; 0: all
+        cells are one, with its coefficients
     """
 
     acceptance: float
     across: float
     along: float
     bins: int
+    reach: int = 0
 
     @property
-    def size(self) -> int:
-        """How many numbers a path scores: TERMS² coefficients, then bins² of the map."""
+    def side(self) -> int:
+        """Bins along each axis of an LED's map."""
+        return (2 * self.reach + 1) * self.bins
+
+    def size(self, leds: int) -> int:
+        """Return how many numbers a path scores.
+
+        TERMS² coefficients, then bins² of the map; with `reach` the score as a whole, then side² of
+        each LED's map.
+        """
+        if self.reach > 0:
+            return 1 + leds * self.side * self.side
         return TERMS * TERMS + self.bins * self.bins
 
 
@@ -79,3 +93,15 @@ def score_at(meter, score, terms, x, y, value):
             score[i * TERMS + j] += part * terms[1, j]
     row, column = min(int(u * meter.bins), meter.bins - 1), min(int(v * meter.bins), meter.bins - 1)
     score[TERMS * TERMS + row * meter.bins + column] += value
+
+
+@kernel
+def score_spread(meter, score, led, x, y, value):
+    """Add an LED's value at a place to the score as a whole and to that LED's map."""
+    score[0] += value
+    half = meter.reach + 0.5
+    side = (2 * meter.reach + 1) * meter.bins
+    row = math.floor((x / meter.across + half) * meter.bins)
+    column = math.floor((y / meter.along + half) * meter.bins)
+    if 0 <= row < side and 0 <= column < side:
+        score[1 + (led * side + int(row)) * side + int(column)] += value

@@ -16,7 +16,13 @@ from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.cavity.board import led_start
 from mpfcad.optics.element import SHEET
 from mpfcad.optics.engine import go_on, pass_queue
-from mpfcad.optics.forward.connection import TERMS, CellMeter, score_at, turned_into
+from mpfcad.optics.forward.connection import (
+    TERMS,
+    CellMeter,
+    score_at,
+    score_spread,
+    turned_into,
+)
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
@@ -88,6 +94,7 @@ def _begin(scene, seed, path, slot, wave):
     wave.radiance[slot] = 0.0
     wave.upward[slot] = 1
     wave.lamp[slot] = led
+    wave.path[slot] = led
     enqueue(wave, 0, slot)
 
 
@@ -118,13 +125,41 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
                     value = wave.weight[slot] * turned_into(
                         scene.parameter[e], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
                     )
-                    score_at(meter, score, terms, p[0], p[1], value)
+                    if meter.reach > 0:
+                        score_spread(meter, score, wave.path[slot], p[0], p[1], value)
+                    else:
+                        score_at(meter, score, terms, p[0], p[1], value)
         pass_queue(scene, e, rays, wave, flow)
         for i in range(waiting):
             slot = uint64(rays[i])
             if not go_on(scene, e, slot, wave, flow):
                 freed[free] = slot
                 free += 1
+
+
+def refuse_unconnected(scene: Scene) -> None:
+    """Raise unless there are LEDs, and a sheet on top to connect from.
+
+    Raises
+    ------
+    TraceError
+        in words.
+    """
+    if not can_connect(scene):
+        raise TraceError("forward trace: expected LEDs below and a scattering sheet on top")
+
+
+def trace_one(
+    scene: Scene, meter: CellMeter, seed: int, block: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the sums of one block: what the meter scores, and the flow."""
+    score = np.zeros(meter.size(len(scene.led)))
+    flow = np.zeros(len(FLOWS) + len(scene.kind))
+    trace_cell(
+        scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
+        Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), score, flow,
+    )  # fmt: skip
+    return score, flow
 
 
 def trace_forward(
@@ -146,20 +181,15 @@ def trace_forward(
     TraceError
         when there is no sheet on top to connect from.
     """
-    if not can_connect(scene):
-        raise TraceError("forward trace: expected LEDs below and a scattering sheet on top")
     flows = len(FLOWS) + len(scene.kind)
     n = TERMS * TERMS
 
     def one(block: int) -> CellTally:
-        score, flow = np.zeros(meter.size), np.zeros(flows)
-        trace_cell(
-            scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
-            Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), score, flow,
-        )  # fmt: skip
+        score, flow = trace_one(scene, meter, seed, block)
         outer = np.outer(score[:n], score[:n])
         return CellTally(score, outer, score[n:] ** 2, flow, flow**2, BLOCK, 1)
 
+    refuse_unconnected(scene)
     return add_in_order(
         one, range(first, first + blocks), CellTally.plus, CellTally.empty(meter, flows),
         threads=threads, after=after_block,

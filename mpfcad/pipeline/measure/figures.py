@@ -17,12 +17,17 @@ from mpfcad.pipeline.effort import (
 )
 from mpfcad.pipeline.measure.case import Case
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.psf import describe_psf
 from mpfcad.store import Store, work_key
 
 #: What can be measured, in the order of the page.
-WHAT = ("contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel", "polarisation")
-#: Of them what is measured under LEDs.
-CELL_WHAT = ("contrast", "angular", "conoscope", "flux")
+WHAT = (
+    "contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel", "polarisation",
+    "psf",
+)  # fmt: skip
+#: Of them what is measured under LEDs, and there alone.
+CELL_WHAT = ("contrast", "angular", "conoscope", "flux", "camera", "psf")
+ONLY_CELL = ("psf",)
 
 
 @dataclass(frozen=True)
@@ -166,6 +171,10 @@ def _polarisation(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     return describe_polarisation(polarisation(lit, run, MEASURE_SETTINGS[effort].polarisation))
 
 
+def _psf(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    return describe_psf(lit, run, MEASURE_SETTINGS[effort].pixel)
+
+
 _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "contrast": _contrast,
     "angular": _angular,
@@ -175,4 +184,5 @@ _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "camera": _camera,
     "panel": _panel,
     "polarisation": _polarisation,
+    "psf": _psf,
 }

@@ -10,6 +10,7 @@ from mpfcad.pipeline.confidence.find import refuse_confidence
 from mpfcad.pipeline.measure.case import Case, baseline_case
 from mpfcad.pipeline.measure.figures import (
     CELL_WHAT,
+    ONLY_CELL,
     WHAT,
     Measuring,
     case_confidence,
@@ -37,7 +38,8 @@ def default_what(case: Case) -> tuple[str, ...]:
     """Return everything that can be measured on a case."""
     if case.lit.is_cell:
         return CELL_WHAT
-    lacks = {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised}
+    lacks = dict.fromkeys(ONLY_CELL, True)
+    lacks |= {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised}
     return tuple(name for name in WHAT if not lacks.get(name))
 
 
@@ -68,6 +70,10 @@ def measure_film(
     if case.lit.is_cell and wrong:
         raise InputError(
             f"--what: {wrong[0]}: not measured under LEDs: expected {', '.join(CELL_WHAT)}"
+        )
+    if not case.lit.is_cell and set(what) & set(ONLY_CELL):
+        raise InputError(
+            f"--what: {ONLY_CELL[0]}: of LEDs alone: expected a stack whose [source] is leds"
         )
     if "panel" in what:
         check_finite(case.lit)

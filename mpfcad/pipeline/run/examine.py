@@ -36,6 +36,7 @@ from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printed.printing import plan_printing
 from mpfcad.pipeline.progress import Progress
+from mpfcad.pipeline.psf import describe_psf, has_zones
 from mpfcad.pipeline.run.facet import facet_convergence
 from mpfcad.pipeline.run.file_check import FileFindings, Solid, examine_files, examine_foreign
 from mpfcad.pipeline.run.make import write_mask_pictures
@@ -44,6 +45,8 @@ from mpfcad.record import ResinCheck
 
 #: The thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
+#: Standard error at which the maps of single LEDs end, over the half-width of the contrast.
+_BIN_GOAL = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +113,8 @@ class Findings:
         check of film.3mf, a film of instances
     crossed
         of the files of the printed film that lies across, if there is one
+    psf
+        what one LED and one zone do, in outside names; None of a board without zones
     """
 
     mask: dict[str, MaskCheck]
@@ -131,6 +136,7 @@ class Findings:
     facets: list[dict[str, Any]] | None = None
     library: LibraryCheck | None = None
     crossed: FilmFindings | None = None
+    psf: dict[str, Any] | None = None
 
 
 def examine(
@@ -159,7 +165,7 @@ def examine(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
         progress.trace, judged=True,
     )  # fmt: skip
-    luminance = survey = None
+    luminance = survey = psf = None
     if all(film.files.solid is not None for film in films):
         traced = traced_file(plan)
         progress.stage(f"tracing {traced}")
@@ -170,6 +176,9 @@ def examine(
         if not lit.is_cell:
             progress.stage(f"tracing {traced} over directions")
             survey = survey_directions(lit, run)
+        if has_zones(lit):
+            progress.stage(f"tracing {traced}, each LED by itself")
+            psf = describe_psf(lit, run, _BIN_GOAL * setting.half_width_goal)
     progress.stage("tracing the film without resin")
     plain = trace_plain(plan, folder, run, setting.half_width_goal)
     baseline = plain
@@ -189,6 +198,7 @@ def examine(
         own.curvature_difference, own.resin, own.sha256, own.wanted_ratio, luminance, plain,
         baseline, own.printing, confidence, printed,
         survey, None if found.mesh is None else facet_convergence(plan), found.library, crossed,
+        psf,
     )  # fmt: skip
 
 

@@ -95,6 +95,7 @@ def build_record(
         confidence=findings.confidence,
         printed=findings.printed,
         survey=findings.survey,
+        psf=findings.psf,
         facets=findings.facets,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,

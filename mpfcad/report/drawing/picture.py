@@ -26,7 +26,10 @@ def camera_picture(camera: dict[str, Any], lamps_level: bool) -> NDArray[np.floa
     `lamps_level`: the lamps lie level on the screen, so x runs down the picture.
     """
     lines = np.asarray(camera["luminance_cd_m2"])
-    picture = np.repeat(lines, len(lines) // lines.shape[1], axis=1)
+    if "cells" in camera:
+        picture = np.tile(lines, camera["cells"])
+    else:
+        picture = np.repeat(lines, len(lines) // lines.shape[1], axis=1)
     return picture if lamps_level else picture.T
 
 
@@ -46,7 +49,10 @@ def write_pictures(folder: Path, camera: dict[str, Any], lamps_level: bool) -> N
     Image.fromarray(grey).save(folder / PICTURES[0], compress_level=9)
     bands = contour(np.asarray(big, np.float64), band_width(camera))
     Image.fromarray(bands).save(folder / PICTURES[1], compress_level=9)
-    _write_tiff(folder / PICTURES[2], picture, camera["pixel_mm"])
+    across = camera["pixel_mm"]
+    along = camera.get("pixel_along_mm", across)
+    pixel = (across, along) if lamps_level else (along, across)
+    _write_tiff(folder / PICTURES[2], picture, pixel)
 
 
 def contour(picture: NDArray[np.float64], width: float) -> NDArray[np.uint8]:
@@ -64,20 +70,24 @@ def contour(picture: NDArray[np.float64], width: float) -> NDArray[np.uint8]:
     return np.round(colour).astype(np.uint8)
 
 
-def _write_tiff(path: Path, picture: NDArray[np.float64], pixel: float) -> None:
-    """Write 16-bit counts; the description says how many cd/m² one count is."""
+def _write_tiff(path: Path, picture: NDArray[np.float64], pixel: tuple[float, float]) -> None:
+    """Write 16-bit counts; the description says how many cd/m² one count is.
+
+    `pixel` [mm] is down and to the right.
+    """
     from tifffile import imwrite
 
     exact = picture.max() / _MOST_COUNTS
     digits = 2 - math.floor(math.log10(exact))
     step = math.ceil(exact * 10**digits) / 10**digits
-    says = {"luminance_cd_m2_per_count": step, "pixel_mm": pixel, "axes": "down, right"}
+    says = {"luminance_cd_m2_per_count": step, "axes": "down, right"}
+    says["pixel_mm"] = pixel[0] if pixel[0] == pixel[1] else list(pixel)
     imwrite(
         path,
         np.round(picture / step).astype("<u2"),
         photometric="minisblack",
         description=json.dumps(says),
-        resolution=(10 / pixel, 10 / pixel),
+        resolution=(10 / pixel[1], 10 / pixel[0]),
         resolutionunit="CENTIMETER",
         software="mpfcad",
         metadata=None,

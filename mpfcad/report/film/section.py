@@ -13,6 +13,7 @@ from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.influence import assumed_rows
 from mpfcad.report.film.wording import sources_of
 from mpfcad.report.page.number import number, with_interval
+from mpfcad.report.page.spread_part import spread_values
 
 Record = dict[str, Any]
 
@@ -83,6 +84,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
         "traces": list(traces.items()),
         "pitches": _pitch_rows(record),
         "cell": cell_rows(record) if record.get("cell") else [],
+        "psf": spread_values(record["psf"]) if "psf" in record else None,
         "flow": draw_energy(record["energy"], sources) if record["energy"] else None,
         "energy_head": [f"share of the light of the {sources}", *traces],
         "energy": _energy_rows([found["energy"] for found in traces.values()], sources),

@@ -19,6 +19,7 @@ from mpfcad.report.drawing.plot import plot
 from mpfcad.report.film.confidence_section import confidence_values
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.number import number
+from mpfcad.report.page.spread_part import spread_values
 
 Record = dict[str, Any]
 #: A line of a table of estimates: what, the estimate, digits, words where there is none.
@@ -33,6 +34,7 @@ TITLES = {
     "camera": "Camera image",
     "panel": "The whole panel",
     "polarisation": "Polarisation of the normal light",
+    "psf": "The light of one LED, and of one zone",
     "confidence": "Does the contrast hold in the real backlight?",
 }
 
@@ -183,14 +185,21 @@ def _camera(record: Record, folder: Path) -> Record:
     found = record["camera"]
     error = np.max(found["standard_error_cd_m2"]) / np.mean(found["luminance_cd_m2"])
     parts = len(found["luminance_cd_m2"][0])
+    cells = found.get("cells")
+    across, along = found["pixel_mm"], found.get("pixel_along_mm", found["pixel_mm"])
+    lines = len(found["luminance_cd_m2"]) * np.array(cells or (1, 1))
+    values = "one traced value" if parts == 1 else f"{parts} traced values"
+    words = f"every line along the lamps is {values}"
+    if cells:
+        words = f"the picture is {cells[0]} × {cells[1]} times the pixels of one cell, each traced,"
     return {
         "pictures": [
             (name, b64encode((folder / name).read_bytes()).decode()) for name in PICTURES[:2]
         ],
-        "edge_mm": f"{found['pixel_mm'] * len(found['luminance_cd_m2']):g}",
-        "pixel_mm": f"{found['pixel_mm']:g}",
+        "edges_mm": f"{across * lines[0]:.4g} × {along * lines[1]:.4g}",
+        "pixel_mm": f"{across:.3g}",
         "band_percent": f"{band_width(found) * 100:g}",
-        "values": "one traced value" if parts == 1 else f"{parts} traced values",
+        "words": words,
         "error_percent": f"{error * 100:.2f}",
         "paths": found["paths"],
     }
@@ -225,6 +234,10 @@ def _polarisation(record: Record, folder: Path) -> Record:
     return {"rows": _rows(rows), "paths": found["paths"]}
 
 
+def _psf(record: Record, folder: Path) -> Record:
+    return spread_values(record["psf"])
+
+
 def _confidence(record: Record, folder: Path) -> Record | None:
     return confidence_values(record)
 
@@ -238,5 +251,6 @@ _VALUES = {
     "camera": _camera,
     "panel": _panel,
     "polarisation": _polarisation,
+    "psf": _psf,
     "confidence": _confidence,
 }
