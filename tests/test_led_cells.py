@@ -131,6 +131,70 @@ def test_jobs_that_cannot_be_are_refused_in_a_line(tmp_path, shape, profile, mor
         plan_of(write(tmp_path, shape, profile, more))
 
 
+TWO = "[map]\nseries_per_mm = [[20.0, 3.0]]\nseries_along_per_mm = [[12.0], [2.0]]\n"
+
+
+def write_two(folder, table=TWO, shape="paraboloid", profile="ideal", more=""):
+    path = write(folder, shape, profile, more)
+    path.write_text(path.read_text().replace(MAP, table))
+    return path
+
+
+@pytest.mark.parametrize("shape", ["paraboloid", "pyramid"])
+def test_cells_of_two_curvatures_read_back(tmp_path, shape):
+    plan = plan_of(write_two(tmp_path, shape=shape))
+    wanted, half = plan.drawn.wanted, np.pi / 80
+    # An LED at the corner: along x the first map has its cosine along y, the second along x.
+    assert wanted[:, 0, 0] == pytest.approx(np.full(80, 20 + 3 * np.cos(half)))
+    assert wanted[0, :, 1] == pytest.approx(np.full(80, 12 + 2 * np.cos(half)))
+    assert len(np.unique(plan.drawn.chosen)) > 12
+    files = ("3mf", "step", "stl", "csv") if shape == "paraboloid" else ("3mf", "stl", "csv")
+    write_cad(plan, tmp_path, files, SILENT)
+    checks = check_cad(plan, tmp_path, files, SILENT)
+    assert {gate.outcome for check in checks for gate in check.gates} <= {"PASS"}
+    solid = examine_files(tmp_path, plan, None, SILENT).solid
+    assert solid.curvature.shape == (80, 80, 2)
+    assert compare_curvature(plan, {}, solid, None) < 0.1
+    found = kind_of(plan.drawn, plan.job.cad)
+    assert found.curvature_difference(solid.curvature + np.array([0.0, 0.3]), None, None) > 0.2
+    write_curvature(plan, tmp_path)
+    again = restore_plan(tmp_path, stored_job(plan))
+    assert np.array_equal(plan.drawn.wanted, again.drawn.wanted)
+
+
+def test_a_file_and_constants_hold_two_curvatures(tmp_path):
+    path = write_two(tmp_path, "[map]\ncurvature_per_mm = 20.0\ncurvature_along_per_mm = 9.0\n")
+    plan = plan_of(path)
+    assert plan.drawn.curvature.tolist() == [[20.0, 9.0]]
+    place = np.linspace(0.0, 4.0, 9)
+    along = 10 + place[:, None] / 8 + np.zeros(9)
+    np.savez(
+        tmp_path / "map.npz", position_across_mm=place, position_along_mm=place,
+        curvature_per_mm=np.full((9, 9), 20.0), curvature_along_per_mm=along,
+    )  # fmt: skip
+    table = '[map]\nfile = "map.npz"\nextent = "cell"\n'
+    plan = plan_of(write_two(tmp_path, table))
+    assert np.ptp(plan.drawn.wanted[..., 0]) == 0 and np.ptp(plan.drawn.wanted[0, :, 1]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("table", "shape", "profile", "words"),
+    [
+        (TWO, "pyramid", "filled", "a mould's"),
+        (TWO, "groove", "filled", "a mould's"),
+        (TWO.replace("[[20.0, 3.0]]", "[[20.0]]\ncurvature_per_mm = 3.0"), "paraboloid", "ideal",
+         "exactly one"),
+        ("[map]\nseries_along_per_mm = [[2.0]]\ncurvature_per_mm = 3.0\n", "paraboloid", "ideal",
+         "both constants, or both series"),
+        (TWO.replace("12.0", "-9.0"), "paraboloid", "ideal", "over the cell: expected 0"),
+        (TWO.replace("12.0", "900.0"), "paraboloid", "ideal", "through the underside"),
+    ],
+)  # fmt: skip
+def test_two_curvatures_that_cannot_be_are_refused(tmp_path, table, shape, profile, words):
+    with pytest.raises(InputError, match=words):
+        plan_of(write_two(tmp_path, table, shape, profile))
+
+
 @pytest.mark.slow
 def test_a_run_of_patterned_pyramids_is_verified(tmp_path, quick):  # noqa: F811
     path = write(tmp_path, more='[mask]\nperiod_um = 500.0\nformats = ["oas"]\n')
@@ -138,4 +202,16 @@ def test_a_run_of_patterned_pyramids_is_verified(tmp_path, quick):  # noqa: F811
     outcome = {gate["name"]: gate["outcome"] for gate in record["gates"]}
     assert outcome["library_as_written"] == "PASS" and outcome["mask_file_as_written"] == "PASS"
     assert record["accelerator"].endswith("cells") and record["resin"] is not None
+    assert verify_export(tmp_path / "out") == record
+
+
+@pytest.mark.slow
+def test_a_run_of_dishes_of_two_curvatures_is_verified(tmp_path, quick):  # noqa: F811
+    path = write_two(tmp_path)
+    record = run_job(read_job(path), path, tmp_path / "out", effort="quick")
+    outcome = {gate["name"]: gate["outcome"] for gate in record["gates"]}
+    assert outcome["library_as_written"] == "PASS" and outcome["energy_lost"] == "PASS"
+    assert outcome["mask_mesh_curvature_difference_per_mm"] == "PASS"
+    assert record["accelerator"].endswith("cells") and record["mask"] is None
+    assert "along y" in (tmp_path / "out" / "report.html").read_text()
     assert verify_export(tmp_path / "out") == record

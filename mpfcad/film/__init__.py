@@ -16,6 +16,8 @@ from mpfcad.film.curvature.table import CurvatureTable, build_curvature_map
 from mpfcad.film.field.cells import CellLibrary, build_cell_library
 from mpfcad.film.field.field import CurvatureField, FieldFilm, PanelField
 from mpfcad.film.field.file import (
+    ALONG_ARRAY,
+    has_along,
     is_field_file,
     read_curvature_cell,
     read_curvature_field,
@@ -54,6 +56,7 @@ from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 
 __all__ = [
+    "ALONG_ARRAY",
     "PRIOR_RELEASE",
     "PROFILES",
     "Calibration",
@@ -100,6 +103,7 @@ __all__ = [
     "cut_piece",
     "fit_stylus_trace",
     "groove_ranges",
+    "has_along",
     "is_field_file",
     "levelling_length",
     "parse_columns",

@@ -33,7 +33,8 @@ class MapTable(Table):
     """`[map]`: one curvature everywhere, or C over the lamp pitch or the panel: a file, or rows.
 
     `rows` are pairs of position_mm and curvature_per_mm, as the lines of a file would be;
-    `series_per_mm` is c_ij of C = Σ c_ij cos(2πi x/Px) cos(2πj y/Py) over a cell of LEDs.
+    `series_per_mm` is c_ij of C = Σ c_ij cos(2πi x/Px) cos(2πj y/Py) over a cell of LEDs. Moulded
+    cells may have another C along y: `curvature_along_per_mm` or `series_along_per_mm`.
     """
 
     MAY_LACK: ClassVar[bool] = False
@@ -42,6 +43,8 @@ class MapTable(Table):
     curvature_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
     rows: Rows | None = None
     series_per_mm: Series | None = None
+    curvature_along_per_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    series_along_per_mm: Series | None = None
     extent: Literal["pitch", "panel", "cell"] = "pitch"
     repeat: Literal["repeat", "mirror"] = "repeat"
 
@@ -51,9 +54,21 @@ class MapTable(Table):
         count = sum(value is not None for value in given)
         if count > 1 or (count == 0 and not self.MAY_LACK):
             raise ValueError("expected exactly one of file, curvature_per_mm, rows, series_per_mm")
-        if len({len(row) for row in self.series_per_mm or []}) > 1:
-            raise ValueError("series_per_mm: expected rows of one length")
+        for name in ("series_per_mm", "series_along_per_mm"):
+            if len({len(row) for row in getattr(self, name) or []}) > 1:
+                raise ValueError(f"{name}: expected rows of one length")
+        for own, along in (
+            (self.curvature_per_mm, self.curvature_along_per_mm),
+            (self.series_per_mm, self.series_along_per_mm),
+        ):
+            if own is None and along is not None:
+                raise ValueError("of two curvatures: expected both constants, or both series")
         return self
+
+    @property
+    def states_along(self) -> bool:
+        """Whether it states C along y apart from that along x; a file may hold it as well."""
+        return self.curvature_along_per_mm is not None or self.series_along_per_mm is not None
 
     @property
     def is_given(self) -> bool:
@@ -264,8 +279,9 @@ class Job(Table):
 
     @property
     def has_cells(self) -> bool:
-        """Whether the film is pyramids or dishes whose curvature varies from cell to cell."""
-        return self.film.cell != "groove" and self.map.curvature_per_mm is None
+        """Whether the film is pyramids or dishes held as a library: of a map, or of two C."""
+        varies = self.map.curvature_per_mm is None or self.map.states_along
+        return self.film.cell != "groove" and varies
 
     @property
     def is_printed(self) -> bool:

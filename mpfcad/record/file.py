@@ -101,7 +101,7 @@ def describe_library(check: LibraryCheck) -> dict[str, Any]:
     """Return what a film of instances holds."""
     return {
         "pieces": len(check.volume),
-        "places": list(check.curvature.shape),
+        "places": list(check.curvature.shape[:2]),
         "triangle_count": sum(check.triangle_count.values()),
         "curvature_min_per_mm": float(check.curvature.min()),
         "curvature_max_per_mm": float(check.curvature.max()),

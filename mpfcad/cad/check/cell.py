@@ -35,8 +35,8 @@ def check_cell_stl(path: Path, film: CellFilm, angle_tolerance: float) -> MeshCh
 
 def check_cell(
     path: Path, name: str, top: NDArray[np.float64], cell: CellFilm, volume: float
-) -> float:
-    """Return C [1/mm] along x of a cell of a library by its top's corners (k, 3) [mm].
+) -> tuple[float, float]:
+    """Return C [1/mm] along x and y of a cell of a library by its top's corners (k, 3) [mm].
 
     Halfway along a side between two tips the height is tip - C w²/2.
 
@@ -59,7 +59,7 @@ def check_cell(
     limit = 2 * room / w**2
     error = float(np.abs(np.array(found) - cell.both).max())
     refuse_above(path, f"{name}: curvature error [1/mm]", error, limit)
-    return float(found[0])
+    return float(found[0]), float(found[1])
 
 
 class CellSurface(FilmSurface[CellFilm]):

@@ -51,7 +51,8 @@ class LibraryCheck(BodyCheck):
     solid
         volume [mm³] of all instances together
     curvature
-        (n, m) float64 [1/mm], C through the tips of the piece at each place, by its lowest corner
+        (n, m) float64 [1/mm], C through the tips of the piece at each place, by its lowest corner;
+        of cells with two, (n, m, 2)
     """
 
     solid: float
@@ -109,7 +110,7 @@ def check_library(path: Path, library: PieceLibrary | CellLibrary) -> LibraryChe
     if found.open_piece is not None:
         raise ExportError(f"{path.name}: piece {found.open_piece}: not closed and oriented")
     _check_places(path, library, found)
-    volume, count, curvature = {}, {}, np.zeros(len(library.curvature))
+    volume, count, curvature = {}, {}, np.zeros(library.curvature.shape)
     # The file's pieces are those in use, in their order.
     for identity, number in zip(
         sorted(found.point), map(int, np.unique(library.chosen)), strict=True
@@ -124,6 +125,8 @@ def check_library(path: Path, library: PieceLibrary | CellLibrary) -> LibraryChe
             curvature[number] = _check_piece(path, name, top, library.piece(number), volume[name])
     each = np.array(list(volume.values()))
     _, kind = np.unique(library.chosen, return_inverse=True)
+    if curvature.ndim == 2 and np.array_equal(library.curvature[:, 0], library.curvature[:, 1]):
+        curvature = curvature[:, 0]
     return LibraryCheck(volume, count, float(each[np.ravel(kind)].sum()), curvature[library.chosen])
 
 
@@ -176,12 +179,13 @@ def mean_difference(
     """Return the largest difference [1/mm] of C found (n, m) from the map's, mean over squares.
 
     Pieces are rounded to few curvatures, and what is left is handed on: means are what they keep.
-    `side` [mm] of the squares, of whole pieces, one at least.
+    `side` [mm] of the squares, of whole pieces, one at least; of cells with two C, (n, m, 2), the
+    larger one.
     """
     step = [max(1, round(side / size)) for size in (library.groove.pitch, library.length)]
-    edge = [np.arange(0, count, by) for count, by in zip(found.shape, step, strict=True)]
-    # Cells are read along x, where their map is that along y too.
-    wanted = library.wanted[..., 0] if library.wanted.ndim == 3 else library.wanted
+    edge = [np.arange(0, count, by) for count, by in zip(found.shape, step, strict=False)]
+    both = library.wanted
+    wanted = both[..., 0] if both.ndim == 3 and found.ndim == 2 else both
     off = np.add.reduceat(np.add.reduceat(found - wanted, edge[0], 0), edge[1], 1)
-    count = [np.diff(np.append(e, n)) for e, n in zip(edge, found.shape, strict=True)]
-    return float(np.abs(off / np.outer(*count)).max())
+    count = np.outer(*(np.diff(np.append(e, n)) for e, n in zip(edge, found.shape, strict=False)))
+    return float(np.abs(off / (count if found.ndim == 2 else count[..., None])).max())

@@ -44,9 +44,10 @@ def write_cell_step(
 
 
 def _refuse_flat(film: CellFilm) -> None:
-    if film.curvature / 2 * film.groove.half_width**2 < FLAT:
+    least = min(film.both)
+    if least / 2 * film.groove.half_width**2 < FLAT:
         raise InputError(
-            f"film: curvature {film.curvature:g} /mm: flat to {FLAT * 1e6:g} nm: expected cells"
+            f"film: curvature {least:g} /mm: flat to {FLAT * 1e6:g} nm: expected cells"
         )
 
 
@@ -91,12 +92,12 @@ def draw_single(film: CellFilm, products: Products) -> str:
     Raises
     ------
     InputError
-        for a cell of two curvatures, or one that is flat.
+        for a pyramid of two curvatures, whose ridges are no conics, or a cell that is flat.
     """
-    if film.both[0] != film.both[1]:
+    if film.shape == "pyramid" and film.both[0] != film.both[1]:
         raise InputError(
-            f"film: a cell of C {film.both[0]:g} x {film.both[1]:g} /mm: expected one curvature "
-            "for STEP"
+            f"film: a pyramid of C {film.both[0]:g} x {film.both[1]:g} /mm: its ridges are no "
+            "conics: expected one curvature for STEP, or 3MF, STL"
         )
     _refuse_flat(film)
     solid = PatchSolid(products=products)
@@ -201,21 +202,22 @@ def _valley(solid: PatchSolid, film: CellFilm, at: Place, side: int) -> str:
 def _draw_dish(solid: PatchSolid, film: CellFilm, i: int, j: int) -> None:
     """Add one dish: a biquadratic patch between four parabolas."""
     pitch, w, top = film.groove.pitch, film.groove.half_width, film.thickness
-    drop = film.curvature / 2 * w**2
+    drops = [curvature / 2 * w**2 for curvature in film.both]
     corner = [((i + a) * pitch, (j + b) * pitch, top) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
     for k in range(4):
         start, end = corner[k], corner[(k + 1) % 4]
         # Drawn to the right or upward, whichever cell comes first.
         start, end = min(start, end), max(start, end)
         if (start, end) not in solid.edges:
-            along = (1.0, 0.0) if start[1] == end[1] else (0.0, 1.0)
-            bottom = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, top - drop)
-            solid.edge(start, end, solid.bowl(bottom, along, film.curvature))
+            axis = 0 if start[1] == end[1] else 1
+            bottom = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, top - drops[axis])
+            along = (1.0 - axis, float(axis))
+            solid.edge(start, end, solid.bowl(bottom, along, film.both[axis]))
     # Of the height over one coordinate, (C/2)(t² - w²): Bézier heights 0, -2 drop, 0.
-    sag = (0.0, -2 * drop, 0.0)
+    sag, sag_along = ((0.0, -2 * drop, 0.0) for drop in drops)
     rows = [
         "(" + ",".join(
-            solid.file.point((i + a / 2) * pitch, (j + b / 2) * pitch, top + sag[a] + sag[b])
+            solid.file.point((i + a / 2) * pitch, (j + b / 2) * pitch, top + sag[a] + sag_along[b])
             for b in range(3)
         ) + ")"
         for a in range(3)

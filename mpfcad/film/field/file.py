@@ -14,6 +14,8 @@ from mpfcad.film.field.repeated import CurvatureCell
 from mpfcad.film.groove import Groove, Profile
 
 FIELD_ARRAYS = ("position_across_mm", "position_along_mm", "curvature_per_mm")
+#: Of cells with two curvatures: C along y, on the same positions.
+ALONG_ARRAY = "curvature_along_per_mm"
 
 
 def is_field_file(path: Path) -> bool:
@@ -42,13 +44,12 @@ def read_curvature_field(
 
 
 def _read_field(
-    path: Path, profile: Profile, groove: Groove
+    path: Path, profile: Profile, groove: Groove, table: str = FIELD_ARRAYS[2]
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Return positions across and along, and curvatures along by across, that a film can have."""
-    across, along, curvature = read_arrays(path, FIELD_ARRAYS)
-    for name, values, dimension in zip(
-        FIELD_ARRAYS, (across, along, curvature), (1, 1, 2), strict=True
-    ):
+    names = (*FIELD_ARRAYS[:2], table)
+    across, along, curvature = read_arrays(path, names)
+    for name, values, dimension in zip(names, (across, along, curvature), (1, 1, 2), strict=True):
         if values.ndim != dimension or values.dtype.kind not in "iuf":
             raise InputError(
                 f"{path}: array {name}: {values.dtype} of shape {values.shape}: "
@@ -56,24 +57,27 @@ def _read_field(
             )
     if curvature.shape != (len(along), len(across)):
         raise InputError(
-            f"{path}: array {FIELD_ARRAYS[2]}: shape {curvature.shape}: expected "
+            f"{path}: array {table}: shape {curvature.shape}: expected "
             f"{(len(along), len(across))}, along by across"
         )
     trouble = find_bad_curvature(curvature.astype(float).ravel(), groove, profile)
     if trouble:
         row, column = divmod(trouble[0], len(across))
-        raise InputError(
-            f"{path}: {FIELD_ARRAYS[2]}[{row}, {column}] (counted from 0): {trouble[1]}"
-        )
+        raise InputError(f"{path}: {table}[{row}, {column}] (counted from 0): {trouble[1]}")
     return across, along, curvature
 
 
-def write_curvature_field(path: Path, field: PanelField) -> None:
+def write_curvature_field(
+    path: Path, field: PanelField, along: NDArray[np.float64] | None = None
+) -> None:
     """Write a field so that it reads back bit for bit; same field, same bytes.
 
-    Of one that repeats it is the cell, positions from its LED.
+    Of one that repeats it is the cell, positions from its LED. `along` is C along y [1/mm], along
+    by across, of cells with two curvatures.
     """
     named: dict[str, Any] = dict(zip(FIELD_ARRAYS, field.stored, strict=True))
+    if along is not None:
+        named[ALONG_ARRAY] = along
     np.savez(path, **named)
 
 
@@ -93,20 +97,30 @@ def _check_position(path: Path, name: str, x: NDArray, end: float, tolerance: fl
         )
 
 
+def has_along(path: Path) -> bool:
+    """Return whether a file is an NPZ that holds C along y as well."""
+    return has_array(path, ALONG_ARRAY)
+
+
 def read_curvature_cell(
-    path: Path, *, profile: Profile, groove: Groove, size: tuple[float, float]
+    path: Path,
+    *,
+    profile: Profile,
+    groove: Groove,
+    size: tuple[float, float],
+    table: str = FIELD_ARRAYS[2],
 ) -> CurvatureCell:
     """Read a map over a cell of LEDs from an NPZ with the arrays of a field.
 
     Positions are from the LED at the cell's corner and within the cell, `size` [mm]; the map
-    repeats, so no node has to stand at the cell's end.
+    repeats, so no node has to stand at the cell's end. `table` names the array of curvatures.
 
     Raises
     ------
     InputError
         one line with file, array, entry, value and expected range.
     """
-    across, along, curvature = _read_field(Path(path), profile, groove)
+    across, along, curvature = _read_field(Path(path), profile, groove, table)
     for name, x, end in zip(FIELD_ARRAYS, (across, along), size, strict=False):
         bad = np.flatnonzero(
             ~np.isfinite(x) | (np.diff(x, prepend=-np.inf) <= 0) | (x < 0) | (x > end * (1 + 1e-9))

@@ -1,11 +1,13 @@
 """Pyramids or dishes as a library: few cells, an instance a place; films of patterned cells."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.library import PieceGrooves
-from mpfcad.pipeline.kind.words import size_words, view_text
+from mpfcad.pipeline.kind.words import range_words, size_words, view_text
 
 
 class PieceCells(PieceGrooves):
@@ -24,8 +26,36 @@ class PieceCells(PieceGrooves):
 
     @property
     def shown(self) -> NDArray[np.float64]:
-        """The curvature at each place, (n, m) [1/mm]."""
+        """The curvature at each place, (n, m) [1/mm]; of cells with two that along x."""
         return self.film.curvature[self.film.chosen][..., 0]
+
+    @property
+    def along(self) -> NDArray[np.float64] | None:
+        """The curvature along y at each place, (n, m) [1/mm]; None where it is the same."""
+        both = self.film.curvature
+        same = np.array_equal(both[:, 0], both[:, 1])
+        return None if same else both[self.film.chosen][..., 1]
+
+    def film_section(
+        self,
+        piece: PrismFilm,
+        position: NDArray[np.float64],
+        aperture: NDArray[np.float64] | None,
+        recovered: list[float] | None,
+    ) -> dict[str, Any]:
+        from mpfcad.report.drawing.film.field_view import curvature_figure
+        from mpfcad.report.drawing.plot import plot
+
+        section = super().film_section(piece, position, aperture, recovered)
+        if self.along is None:
+            return section | {"plot_along": None}
+        size = self.film.groove.pitch
+        across, along = (np.arange(0.5, n) * size for n in self.film.chosen.shape)
+        return section | {
+            "caption": "Curvature along x of the cell at each place.",
+            "range": f"{section['range']} along x and {range_words(self.along)} along y",
+            "plot_along": plot(curvature_figure(across, along, self.along), "film-along"),
+        }
 
     @property
     def extent(self) -> str:

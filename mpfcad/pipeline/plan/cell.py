@@ -8,7 +8,15 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
-from mpfcad.film import CurvatureMap, CurvatureSeries, Groove, check_curvature, read_curvature_cell
+from mpfcad.film import (
+    ALONG_ARRAY,
+    CurvatureMap,
+    CurvatureSeries,
+    Groove,
+    check_curvature,
+    has_along,
+    read_curvature_cell,
+)
 from mpfcad.job import Job, MapTable
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure, PrintError
 from mpfcad.pipeline.plan.groove_map import read_map
@@ -126,15 +134,61 @@ def read_cell_maps(
         table = job.crossed if job.crossed.is_given else job.map
         at = departure.film(1).on(_read(job, job_file, table, stack), frame.size, groove)
         found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
+    return [_within(wanted, job, where) for wanted in found]
+
+
+def read_along_map(
+    job: Job, job_file: Path, stack: Stack, departure: Departure = AS_DESIGNED
+) -> NDArray[np.float64] | None:
+    """Return C along y over the cell, as `read_cell_maps` that along x; None where it is the same.
+
+    Raises
+    ------
+    InputError
+        when the map is wrong, or the film is no mould's cells.
+    """
+    if not states_along(job, job_file):
+        return None
+    where, frame, groove = str(job_file), CellFrame.of(stack), job.film.groove
+    at = departure.film(0).on(_read(job, job_file, job.map, stack, along=True), frame.size, groove)
+    return _within(wanted_over(at, frame, groove.pitch, groove.pitch, where), job, where)
+
+
+def states_along(job: Job, job_file: Path) -> bool:
+    """Return whether a job's map has a C of its own along y.
+
+    Raises
+    ------
+    InputError
+        when its film is no mould's cells under LEDs.
+    """
+    map_file = job.map.file if job.map.extent == "cell" else None
+    stated = job.map.states_along or (job.crossed is not None and job.crossed.states_along)
+    if not stated and not (map_file is not None and has_along(job_file.parent / map_file)):
+        return False
+    if job.film.cell == "groove" or job.film.profile != "ideal":
+        raise InputError(
+            f"{job_file}: map: C along y apart from that along x: film.cell {job.film.cell}, "
+            f"profile {job.film.profile}: expected pyramids or dishes of profile 'ideal', a mould's"
+        )
+    return True
+
+
+def _within(wanted: NDArray[np.float64], job: Job, where: str) -> NDArray[np.float64]:
+    """Return curvatures that a film can have.
+
+    Raises
+    ------
+    InputError
+        that begins with `where`, for others.
+    """
     most = job.film.groove.curvature_most(job.film.profile)
-    for wanted in found:
-        low, high = float(wanted.min()), float(wanted.max())
-        if not np.isfinite(wanted).all() or low < 0 or high > most * (1 + 1e-12):
-            raise InputError(
-                f"{where}: map: C {low:.4g} … {high:.4g} /mm over the cell: expected 0 … "
-                f"{most:.6g} /mm"
-            )
-    return [np.minimum(wanted, most) for wanted in found]
+    low, high = float(wanted.min()), float(wanted.max())
+    if not np.isfinite(wanted).all() or low < 0 or high > most * (1 + 1e-12):
+        raise InputError(
+            f"{where}: map: C {low:.4g} … {high:.4g} /mm over the cell: expected 0 … {most:.6g} /mm"
+        )
+    return np.minimum(wanted, most)
 
 
 def _refuse(job: Job, stack: Stack, where: str) -> None:
@@ -205,7 +259,8 @@ def refuse_cell_map(job: Job, where: str) -> None:
     InputError
         when the job has it.
     """
-    if job.map.series_per_mm is not None or job.map.extent == "cell" or job.crossed is not None:
+    cell_only = job.map.series_per_mm is not None or job.map.states_along
+    if cell_only or job.map.extent == "cell" or job.crossed is not None:
         what = "crossed" if job.crossed is not None else "map"
         raise InputError(
             f"{where}: {what}: is over a cell of LEDs, and tubes light the stack: expected "
@@ -213,10 +268,13 @@ def refuse_cell_map(job: Job, where: str) -> None:
         )
 
 
-def _read(job: Job, job_file: Path, table: MapTable, stack: Stack) -> CellMap:
-    """Return the map of a table over the cell, by the panel's axes."""
-    if table.series_per_mm is not None:
-        return CurvatureSeries(np.array(table.series_per_mm, np.float64)).at
+def _read(
+    job: Job, job_file: Path, table: MapTable, stack: Stack, *, along: bool = False
+) -> CellMap:
+    """Return the map of a table over the cell, by the panel's axes; `along`: of C along y."""
+    series = table.series_along_per_mm if along else table.series_per_mm
+    if series is not None:
+        return CurvatureSeries(np.array(series, np.float64)).at
     if table.extent == "panel":
         raise InputError(
             f"{job_file}: map.extent: panel: expected 'cell' (C(x, y) from an LED) or 'pitch' "
@@ -230,8 +288,12 @@ def _read(job: Job, job_file: Path, table: MapTable, stack: Stack) -> CellMap:
             profile=job.film.profile,
             groove=job.film.groove,
             size=stack.source.cell,
+            **({"table": ALONG_ARRAY} if along else {}),
         )
         return cell.at
+    if along:
+        own = table.curvature_along_per_mm
+        return lambda u, v: np.full((len(u), len(v)), own)
     return _across(read_map(job, job_file, stack, table), stack.source.cell.across)
 
 

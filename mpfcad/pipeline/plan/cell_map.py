@@ -11,15 +11,23 @@ from mpfcad.backlight import Stack
 from mpfcad.boundary.npz import read_arrays
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import (
+    ALONG_ARRAY,
     CellLibrary,
     FieldFilm,
     PieceLibrary,
     RepeatedField,
     build_cell_library,
     build_library,
+    has_along,
 )
 from mpfcad.job import Job
-from mpfcad.pipeline.plan.cell import LEVELS, CellFrame, piece_length, read_cell_maps
+from mpfcad.pipeline.plan.cell import (
+    LEVELS,
+    CellFrame,
+    piece_length,
+    read_along_map,
+    read_cell_maps,
+)
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
 from mpfcad.pipeline.plan.field import field_section
 from mpfcad.pipeline.plan.panel_map import Laid
@@ -41,12 +49,15 @@ class CellFilmMap:
         where the cells lie on the panel, by the film's axes
     crossed
         the map of the film that lies across
+    along
+        (n, m) float64 [1/mm], C along y of cells that have two
     """
 
     is_grooves: ClassVar[bool] = False
     wanted: NDArray[np.float64]
     frame: CellFrame
     crossed: "CellFilmMap | None" = None
+    along: NDArray[np.float64] | None = None
 
     @property
     def curvature(self) -> NDArray[np.float64]:
@@ -86,7 +97,8 @@ class CellFilmMap:
         levels = LEVELS if job.cad.levels is None else job.cad.levels
         if job.has_cells:
             assert job.film.cell != "groove"  # has_cells says so
-            both = np.stack([self.wanted, self.wanted], axis=-1)
+            along = self.wanted if self.along is None else self.along
+            both = np.stack([self.wanted, along], axis=-1)
             cells = build_cell_library(
                 job.film.groove, job.film.base, job.film.cell, job.film.profile, both, levels
             )
@@ -106,7 +118,8 @@ def read_cell_film_map(
     InputError
         when a map is wrong.
     """
-    return _build(read_cell_maps(job, job_file, stack, departure), stack)
+    along = read_along_map(job, job_file, stack, departure)
+    return _build(read_cell_maps(job, job_file, stack, departure), stack, along)
 
 
 def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
@@ -121,16 +134,25 @@ def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
     found = []
     for name, frame in zip(CELL_FILES[: 1 if job.crossed is None else 2], frames, strict=False):
         shape = frame.places(job.film.groove.pitch, piece_length(job), str(folder))
-        (curvature,) = read_arrays(folder / name, ("curvature_per_mm",))
-        if curvature.T.shape != shape:
-            raise ExportError(
-                f"{folder / name}: {curvature.T.shape} places: expected {shape}, of the LEDs' cell"
-            )
-        found.append(np.ascontiguousarray(curvature.T, np.float64))
-    return _build(found, stack)
+        found.append(_stored(folder / name, "curvature_per_mm", shape))
+    first = folder / CELL_FILES[0]
+    along = _stored(first, ALONG_ARRAY, found[0].shape) if has_along(first) else None
+    return _build(found, stack, along)
 
 
-def _build(wanted: list[NDArray[np.float64]], stack: Stack) -> CellFilmMap:
+def _stored(path: Path, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return an array of curvatures of an export, (n, m) [1/mm]."""
+    (curvature,) = read_arrays(path, (name,))
+    if curvature.T.shape != shape:
+        raise ExportError(
+            f"{path}: {curvature.T.shape} places: expected {shape}, of the LEDs' cell"
+        )
+    return np.ascontiguousarray(curvature.T, np.float64)
+
+
+def _build(
+    wanted: list[NDArray[np.float64]], stack: Stack, along: NDArray[np.float64] | None
+) -> CellFilmMap:
     frame = CellFrame.of(stack)
     crossed = CellFilmMap(wanted[1], frame.turned) if len(wanted) > 1 else None
-    return CellFilmMap(wanted[0], frame, crossed)
+    return CellFilmMap(wanted[0], frame, crossed, along)

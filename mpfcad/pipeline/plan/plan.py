@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.errors import InputError
 from mpfcad.film import (
+    CellLibrary,
     FieldFilm,
     PanelFilm,
     PrismFilm,
@@ -140,10 +141,21 @@ class Plan:
         """Whether a mask can be made."""
         return self.process is not None
 
+    @property
+    def _along(self) -> NDArray[np.float64] | None:
+        """C along y of one cell of LEDs, along by across [1/mm]; None of one curvature."""
+        if not isinstance(self.drawn, CellLibrary) or self.field_film is None:
+            return None
+        m, n = self.field_film.field.curvature.shape
+        both = self.drawn.wanted[:n, :m]
+        same = np.array_equal(both[..., 0], both[..., 1])
+        return None if same else np.ascontiguousarray(both[..., 1].T)
+
     def write_curvature(self, folder: Path) -> None:
         """Write the table of the panel's grooves, or its map in both directions."""
         if self.field_film is not None:
-            write_curvature_field(folder / self.file("curvature", "npz"), self.field_film.field)
+            path = folder / self.file("curvature", "npz")
+            write_curvature_field(path, self.field_film.field, self._along)
             return
         ratio = None
         if self.process is not None:
