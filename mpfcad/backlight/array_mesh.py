@@ -1,6 +1,7 @@
 """Meshes of films beside the job's: plain prisms, lens arrays, composites of bonded films [mm]."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,27 @@ from mpfcad.units import um
 
 #: Facets from a lens' middle to its corner; even, so that middles are corners of facets.
 _STEPS = 16
+
+
+def made_mesh(kind: str, words: str, value: Callable[[str], float]) -> FilmMesh:
+    """Return the mesh of a film that its layer's values describe; `value` gives one by its name.
+
+    Raises
+    ------
+    InputError
+        beginning with `words`, when there is no such film.
+    """
+
+    def size(*keys: str) -> list[float]:
+        return [value(f"{key}_um") * um for key in keys]
+
+    if kind == "bef":
+        return bef_mesh(*size("pitch", "depth", "base"))
+    if kind == "lens":
+        return lens_mesh(words, *size("pitch", "sag", "base"))
+    pitch, depth, base, bond, cover = size("pitch", "depth", "base", "bond", "cover")
+    upper_pitch, upper_depth = size("upper_pitch", "upper_depth")
+    return composite_mesh(words, pitch, depth, base, bond, cover, (upper_pitch, upper_depth))
 
 
 def bef_mesh(pitch: float, depth: float, base: float) -> FilmMesh:

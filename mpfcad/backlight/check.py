@@ -1,6 +1,7 @@
 """What the layers and numbers of a stack must be together."""
 
-from mpfcad.backlight.layer import POLARISING
+from mpfcad.backlight.array_mesh import made_mesh
+from mpfcad.backlight.layer import MADE_KINDS, POLARISING, Layer
 from mpfcad.backlight.plane_layer import matrix_of
 from mpfcad.backlight.quantity import FILM_LAYERS, FILM_RANGES
 from mpfcad.backlight.source import LedSpec
@@ -36,6 +37,24 @@ def check_layers(where: str, stack: Stack) -> None:
         at = layers.index("bonded_film")
         if at == 0 or stack.kind_of(layers[at - 1]) != "plate":
             raise InputError(f"{where}: layers: bonded_film: expected a plate directly below it")
+
+
+def check_made(where: str, stack: Stack) -> None:
+    """Raise unless the values of each film that is made of them make one.
+
+    Raises
+    ------
+    InputError
+        naming the layer and the value.
+    """
+
+    def check(layer: Layer) -> None:
+        words = f"{where}: layers: {layer.name}"
+        made_mesh(layer.kind, words, lambda key: stack[f"{layer.name}.{key}"])
+
+    for layer in stack.own.values():
+        if layer.kind in MADE_KINDS:
+            check(layer)
 
 
 def _check_lobes(where: str, stack: Stack) -> None:

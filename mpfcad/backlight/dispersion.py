@@ -62,7 +62,7 @@ def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> floa
         values = np.array([])
     rows = 2 if law == "table_nm" else 1
     if not (0 < values.size <= 1000 and values.ndim == rows and np.isfinite(values).all()):
-        raise InputError(f"{where}: {numbers}: expected numbers")
+        raise InputError(f"{where}: {numbers!r}: expected numbers")
     square = (wavelength_nm / 1000) ** 2
     if law == "cauchy" and len(values) <= _MOST:
         return float(sum(a / square**k for k, a in enumerate(values)))
@@ -70,7 +70,7 @@ def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> floa
         terms = values.reshape(-1, 2)
         if (terms[:, 1] == square).any():
             raise InputError(
-                f"{where}: {numbers}: resonance at the wavelength {wavelength_nm:g} nm"
+                f"{where}: {numbers!r}: resonance at the wavelength {wavelength_nm:g} nm"
             )
         return math.sqrt(max(0.0, 1 + float((terms[:, 0] * square / (square - terms[:, 1])).sum())))
     if law == "table_nm" and values.shape[1] == 2 and (np.diff(values[:, 0]) > 0).all():
@@ -83,4 +83,4 @@ def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> floa
     expected = {
         "cauchy": "A, B, C", "sellmeier": "pairs B, C", "table_nm": "rising [wavelength, value]",
     }  # fmt: skip
-    raise InputError(f"{where}: {numbers}: expected {expected[law]}")
+    raise InputError(f"{where}: {numbers!r}: expected {expected[law]}")

@@ -102,8 +102,9 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
 #: What acts on polarisation: there is none without `light.polarised`.
 POLARISING = ("polariser", "reflective_polariser", "retarder", "mueller")
 _FLAGS = ("kind", "name", "file", "flipped")
-#: Kinds that are films, of a mesh that is read or made.
-FILM_KINDS = ("film", "bef", "lens", "composite")
+#: Kinds that are films: of a mesh that their values make, or that is read as well.
+MADE_KINDS = ("bef", "lens", "composite")
+FILM_KINDS = ("film", *MADE_KINDS)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
 """A stack lowered to the elements that are traced."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from mpfcad.backlight.array_mesh import bef_mesh, composite_mesh, lens_mesh
+from mpfcad.backlight.array_mesh import made_mesh
 from mpfcad.backlight.film_layer import lower_film
 from mpfcad.backlight.layer import POLARISING
 from mpfcad.backlight.particle import build_particles
@@ -16,7 +16,7 @@ from mpfcad.optics.library.file import is_library_file, read_library
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
-from mpfcad.units import deg, um
+from mpfcad.units import deg
 
 
 def lower_stack(
@@ -104,7 +104,7 @@ def _own_layer(stack: Stack, name: str) -> Element:
         )  # fmt: skip
     mesh: FilmMesh | Library | CellTops
     if layer.kind != "film":
-        mesh = _made_mesh(layer.kind, words, value)
+        mesh = made_mesh(layer.kind, words, value)
     else:
         assert layer.file is not None  # else it is the job's film
         mesh = read_film(Path(layer.file))
@@ -134,18 +134,3 @@ def read_film(path: Path) -> FilmMesh | Library | CellTops:
         when it cannot be read or traced.
     """
     return read_library(path) if is_library_file(path) else read_film_mesh(path)
-
-
-def _made_mesh(kind: str, words: str, value: Callable[[str], float]) -> FilmMesh:
-    """Return the mesh of a film that its layer's values describe."""
-
-    def size(*keys: str) -> list[float]:
-        return [value(f"{key}_um") * um for key in keys]
-
-    if kind == "bef":
-        return bef_mesh(*size("pitch", "depth", "base"))
-    if kind == "lens":
-        return lens_mesh(words, *size("pitch", "sag", "base"))
-    pitch, depth, base, bond, cover = size("pitch", "depth", "base", "bond", "cover")
-    upper_pitch, upper_depth = size("upper_pitch", "upper_depth")
-    return composite_mesh(words, pitch, depth, base, bond, cover, (upper_pitch, upper_depth))

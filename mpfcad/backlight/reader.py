@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
-from mpfcad.backlight.check import check_layers
+from mpfcad.backlight.check import check_layers, check_made
 from mpfcad.backlight.derive import derive
 from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM, LAWS, dispersed
 from mpfcad.backlight.layer import read_layer
@@ -77,7 +77,7 @@ def _read_stack(
     text.value.update(_flat(f"{where}: stack.override", given))
     extent = next((one for one in EXTENTS if one == text.extent), None)
     if extent is None:
-        raise InputError(f"{where}: extent: {text.extent}: expected one of {', '.join(EXTENTS)}")
+        raise InputError(f"{where}: extent: {text.extent!r}: expected one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
     _, wavelength = text.value.get("light_wavelength_nm", ("", DEFAULT_WAVELENGTH_NM))
     quantity = {
@@ -95,6 +95,7 @@ def _read_stack(
     )  # fmt: skip
     check_layers(where, stack)
     stack = derive(where, stack)
+    check_made(where, stack)
     stack.source.check(where)
     return stack
 

@@ -84,7 +84,7 @@ def reason_of(error: Exception) -> str:
     return " ".join(str(error).split())[:120] or type(error).__name__
 
 
-def named_file(where: str, folder: Path, name: str, expected: str) -> Path:
+def named_file(where: str, folder: Path, name: str, expected: str, limit: int = FILE_LIMIT) -> Path:
     """Return the path of a file that a field names, beside the file that names it.
 
     Raises
@@ -94,7 +94,7 @@ def named_file(where: str, folder: Path, name: str, expected: str) -> Path:
     """
     path = folder / name
     try:
-        check_file(path, expected=expected)
+        check_file(path, limit, expected)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
     return path

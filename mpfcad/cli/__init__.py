@@ -6,6 +6,8 @@ on stderr; `--debug` or MPFCAD_DEBUG=1 adds the traceback. Nothing heavy is impo
 subcommand needs it, so that `--help` is instant.
 """
 
+import errno
+import os
 import signal
 import sys
 
@@ -15,6 +17,8 @@ from mpfcad.cli.stream import end_streams, one_line, prepare_streams
 __all__ = ["app", "main"]
 
 _TERMINATED = 128 + signal.SIGTERM
+#: What the system says of a path that it cannot follow.
+_OF_PATHS = (errno.ENAMETOOLONG, errno.ELOOP, errno.EACCES)
 
 
 def main() -> None:
@@ -89,6 +93,10 @@ def _exit_code(error: BaseException) -> int:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "mpfcad"
         return _fail(f"{message} (see {command} --help)", 2)
+    if isinstance(error, OSError) and error.errno in _OF_PATHS and error.filename is not None:
+        # Of a name that was typed, wherever it is asked for first.
+        name = os.fsdecode(error.filename)
+        return _fail(f"{name}: {error.strerror}: expected a path that can be reached", 2)
     if isinstance(error, MemoryError):
         return _fail("out of memory", 3)
     return _fail(f"{type(error).__name__}: {error}", 3)

@@ -179,6 +179,28 @@ def test_what_is_no_file(folder, capsys, kind, suffix):
         refused(capsys, command, path.name)
 
 
+@pytest.mark.parametrize("suffix", ["csv", "ies", "ldt", "tm25ray", "dat", "ray"])
+def test_what_a_source_names_is_a_file(folder, capsys, suffix):
+    path = folder / f"m.{suffix}"
+    path.symlink_to("/dev/zero")
+    board = 'extends = "mini-led-4mm"\n[source]\nkind = "leds"\n'
+    for line in (
+        f'lattice = "list"\nemission = "cosine"\npositions = "{path.name}"\n',
+        f'lattice = "square"\nemission = "{path.name}"\n',
+    ):
+        (folder / "board.toml").write_text(board + line)
+        (folder / "job.toml").write_text(UNIFORM + '[stack]\nfile = "board.toml"\n')
+        refused(capsys, ["mask", "job.toml"], "board.toml", path.name, "is a device or pipe")
+
+
+def test_what_options_name_is_a_file(folder, capsys):
+    os.mkfifo(folder / "pipe.csv")
+    refused(capsys, ["calibrate", "--coupons", "pipe.csv"], "pipe.csv", "is a device or pipe")
+    for option in ("--dark", "--flat"):
+        command = ["judge", "pipe.csv", "--pixel-mm", "0.1", option, "pipe.csv"]
+        refused(capsys, command, "pipe.csv")
+
+
 def _npz(path, **entries):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in entries.items():

@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from mpfcad.cli import run_app
+
 HEAVY = (
     "numpy", "scipy", "numba", "pydantic", "plotly", "build123d", "OCP", "trimesh", "klayout",
     "gdstk", "manifold3d", "shapely", "rich",
@@ -202,3 +204,23 @@ def test_any_other_error_is_one_line_and_exit_3(monkeypatch, capsys):
         monkeypatch.setattr(mpfcad.job, "read_job", broken)
         assert run_app(["run", "job.toml"]) == code
         assert capsys.readouterr().err == f"mpfcad: {prefix}film.stl: two lines\n"
+
+
+@pytest.mark.parametrize("long", ["a" * 3000, "a/" * 3000 + "b", "a" * 3000 + ".toml"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run", "{}"), ("mask", "{}"), ("cad", "{}"), ("trace", "{}"), ("measure", "{}"),
+        ("rays", "{}", "--out", "a.ray"), ("compare", "{}"), ("verify", "{}"), ("judge", "{}"),
+        ("calibrate", "{}"), ("bsdf", "{}"), ("sweep", "{}"), ("design", "{}"), ("fit", "{}"),
+        ("mask", "job.toml", "--out", "{}"), ("rays", "thesis-32in-mpf", "--out", "{}.ray"),
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_a_path_too_long_is_one_line(tmp_path, monkeypatch, capsys, command, long):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "job.toml").write_text('name = "a"\n[map]\ncurvature_per_mm = 60.0\n')
+    assert run_app([part.format(long) for part in command]) == 2
+    (line,) = [x for x in capsys.readouterr().err.splitlines() if x.startswith("mpfcad: ")]
+    assert len(line) <= 300 and "aaa" in line.replace("/", "")
+    assert [path.name for path in tmp_path.iterdir()] == ["job.toml"]

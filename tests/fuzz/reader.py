@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import instrument, written
+from . import instrument, layers, option, written
 from .kind import Reader
 
 ROOT = Path(__file__).parents[2]
@@ -218,4 +218,6 @@ def readers() -> list[Reader]:
         Reader("manifest", ".json", _manifest, (_MANIFEST,), named="manifest.json"),
         *written.readers(),
         *instrument.readers(),
+        *layers.readers(),
+        *option.readers(),
     ]  # fmt: skip

@@ -138,9 +138,11 @@ class Work:
     known: set[str] = field(default_factory=set)
     tally: Tally = field(default_factory=Tally)
     done: int = 0
+    whole: int = 0
 
     def __post_init__(self) -> None:
         self.pool = list(self.reader.seeds)
+        self.whole = len(self.pool)
 
     def __getstate__(self) -> dict:
         return {**self.__dict__, "reader": self.reader.name}
@@ -168,7 +170,9 @@ class Work:
         return self
 
     def _next(self) -> None:
-        data = mutate(self.rng, self.rng.choice(self.pool), self.rng.choice(self.pool))
+        # Half of them from a file that is read whole: most others are refused at their first line.
+        whole = self.pool[: self.whole] if self.rng.random() < 0.5 else self.pool
+        data = mutate(self.rng, self.rng.choice(whole), self.rng.choice(self.pool))
         outcome = _one(self.reader, self.path, data, self.tally)
         if outcome not in self.known:
             self.known.add(outcome)

@@ -60,8 +60,12 @@ def _rays_with(at, value):
 
 
 LINE = b"9" * 30_000 + b"x\n"
+CR = b'x_mm,y_mm\n0,"a\r' + b"9" * 200_000 + b"\n"
 FOUND = {path.name: path.read_bytes() for path in sorted(CORPUS.iterdir())} | {
     "curve-digits.csv": LINE * 3,
+    "positions-carriage.csv": CR,
+    "positions-field.csv": CR[:-1],
+    "coupons-field.csv": CR.replace(b"x_mm,y_mm", b"file,aperture_ratio"),
     "rays.tm25ray-spectra.tm25ray": _rays_with(76, 2**31 - 1),
     "rays.tm25ray-spectrum.tm25ray": _rays_with(76, -1),
     "rays.tm25ray-text.tm25ray": _rays_with(84, -(2**31)),

@@ -130,6 +130,10 @@ def test_the_trade_s_spellings(text, name):
         ("120T", "120-31, 120-34"),
         ("460/27", "180-27"),
         ("?", "43"),
+        ("{}-0", ""),
+        ("0", ""),
+        ("9" * 400 + "-31", ""),
+        ("120-" + "9" * 400, "120-31"),
     ],
 )
 def test_an_unknown_name_lists_the_nearest(text, near):

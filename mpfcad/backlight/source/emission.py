@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mpfcad.backlight.source.lattice import folder_text
 from mpfcad.backlight.source.ray_file import read_ray_file
 from mpfcad.backlight.source.ray_layout import SUFFIXES
-from mpfcad.boundary import guarded
+from mpfcad.boundary import guarded, named_file
 from mpfcad.errors import InputError
 
 #: A lens that throws light aside: polar angle [deg], intensity over the peak at 65°.
@@ -62,8 +62,10 @@ def read_emission(where: str, folder: Path, name: str) -> NDArray[np.float64]:
     InputError
         when the file is none, holds what is not finite, or stops short of the half-space.
     """
-    where = f"{where}: {name}"
     suffix = Path(name).suffix.lower()
+    if suffix in (".csv", *SUFFIXES, *FILES):
+        named_file(where, folder, name, f"one of {', '.join(FORMULAS)} or such a file")
+    where = f"{where}: {name}"
     if suffix == ".csv":
         polar, azimuth, value = _read_csv(where, folder_text(where, folder, name))
     elif suffix in SUFFIXES:
@@ -80,7 +82,8 @@ def read_emission(where: str, folder: Path, name: str) -> NDArray[np.float64]:
 def _read_csv(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     """Return (polar, azimuth [deg], (azimuth, polar) intensity) of `angle_deg,intensity`."""
     with guarded(where, "angle_deg,intensity and rows of numbers"):
-        rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+        lines = io.StringIO(text, newline=None)
+        rows = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
     head = [cell.strip() for cell in rows[0]] if rows else []
     if head != ["angle_deg", "intensity"]:
         raise InputError(f"{where}: row 1: {','.join(head)}: expected angle_deg,intensity")
@@ -104,8 +107,6 @@ def _read_photometry(where: str, path: Path, suffix: str) -> tuple[NDArray, NDAr
             f"{where}: needs photompy: expected after pip install 'mpfcad[instruments]'"
         ) from None
 
-    if not path.is_file():
-        raise InputError(f"{where}: no such file: expected one of {suffix[1:].upper()} there")
     reader = IESFile if suffix == ".ies" else LDTFile
     try:
         with warnings.catch_warnings():

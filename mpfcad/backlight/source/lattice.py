@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.boundary import reason_of
+from mpfcad.boundary import TEXT_LIMIT, guarded, named_file, reason_of
 from mpfcad.errors import InputError
 
 #: Places of a cell's LEDs in units of the pitches, and the cell's size in them.
@@ -31,7 +31,8 @@ def read_positions(where: str, text: str) -> NDArray[np.float64]:
     InputError
         naming the row and column.
     """
-    rows = csv.reader(io.StringIO(text))
+    with guarded(where, f"{','.join(_COLUMNS)} and rows of numbers"):
+        rows = iter(list(csv.reader(io.StringIO(text, newline=None))))
     head = [name.strip() for name in next(rows, [])]
     if head not in (list(_COLUMNS), list(_COLUMNS[:2])):
         raise InputError(f"{where}: row 1: {','.join(head)}: expected {','.join(_COLUMNS)}")
@@ -124,7 +125,7 @@ def folder_text(where: str, folder: Path, name: object) -> str:
     InputError
         when it is not there or no text.
     """
-    path = folder / str(name)
+    path = named_file(where, folder, str(name), "a text file there", TEXT_LIMIT)
     try:
         return path.read_bytes().decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:

@@ -207,37 +207,42 @@ def _read_coupons(
     else:
         ratios: list[float | None] = list(aperture) if aperture else [None] * len(files)
         rows = list(zip(files, ratios, strict=True))
-    for path, ratio in rows:
-        if ratio is not None and not 0 < ratio <= 1:
-            raise InputError(f"{path}: aperture_ratio {ratio:g}: expected above 0, up to 1")
+        for ratio in aperture:
+            _refuse_ratio("--aperture", ratio)
     return rows
+
+
+def _refuse_ratio(where: str, ratio: float) -> None:
+    from mpfcad.errors import InputError
+
+    if not 0 < ratio <= 1:
+        raise InputError(f"{where}: {ratio:g}: expected above 0, up to 1")
 
 
 def _read_list(path: Path) -> list[tuple[Path, float | None]]:
     import csv
 
-    from mpfcad.boundary import reason_of
+    from mpfcad.boundary import TEXT_LIMIT, check_file, guarded
     from mpfcad.errors import InputError
 
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: cannot be read: {reason_of(error)}: expected a table of coupons"
-        ) from None
+    expected = "a table of coupons"
+    check_file(path, TEXT_LIMIT, expected)
+    with guarded(path, expected), path.open(encoding="utf-8-sig") as file:
+        rows = [row for row in csv.reader(file) if row]
     if not rows or rows[0] != ["file", "aperture_ratio"]:
         raise InputError(f"{path}: row 1: header: expected 'file,aperture_ratio'")
     found: list[tuple[Path, float | None]] = []
     for number, row in enumerate(rows[1:], 2):
         try:
-            name, ratio = row
-            found.append((path.parent / name, float(ratio)))
+            name, text = row
+            ratio = float(text)
         except ValueError:
             text = ",".join(row)
             raise InputError(
                 f"{path}: row {number}: {text!r}: expected a file and a number"
             ) from None
+        _refuse_ratio(f"{path}: row {number}: aperture_ratio", ratio)
+        found.append((path.parent / name, ratio))
     if not found:
         raise InputError(f"{path}: no rows: expected 1 or more")
     return found

@@ -33,9 +33,11 @@ def parse_name(text: str) -> tuple[tuple[float, ...], float] | None:
     if found is None:
         return None
     per_cm, count, thread = found.groups()
-    if per_cm is not None:
-        return (float(per_cm),), float(thread)
-    return (float(count), float(count) / INCH_IN_CM), float(thread)
+    stated = float(per_cm or count)
+    counts = (stated,) if per_cm is not None else (stated, stated / INCH_IN_CM)
+    if not math.isfinite(stated + float(thread)):
+        return None
+    return counts, float(thread)
 
 
 def named_materials(text: str) -> tuple[Material, ...]:
@@ -90,16 +92,17 @@ def nearest_names(text: str, meshes: Iterable[Mesh], most: int = 4) -> list[str]
     alike = [names[name] for name in get_close_matches(typed, names, most, 0.6)]
     parsed = parse_name(text)
     number = re.search(r"\d+", text)
-    if parsed is None and number is None:
-        return _first(most, alike, meshes)
     alone = float(number[0]) if number else 0.0
-    counts, thread = parsed or ((alone, alone / INCH_IN_CM), 0.0)
+    stated, thread = parsed or ((alone, alone / INCH_IN_CM), 0.0)
+    counts = [count for count in stated if 0 < count < math.inf]
+    if not counts:
+        return _first(most, alike, meshes)
     likeliest = named_materials(text)[0]
 
     def distance(mesh: Mesh) -> float:
-        aside = abs(math.log(mesh.thread / um / thread)) if thread else 0.0
+        aside = abs(math.log(mesh.thread / um / thread)) if 0 < thread < math.inf else 0.0
         aside += 0.0 if mesh.material == likeliest else OTHER_MATERIAL
-        return min(abs(math.log(mesh.count * 10 / count)) for count in counts if count > 0) + aside
+        return min(abs(math.log(mesh.count * 10 / count)) for count in counts) + aside
 
     woven = sorted(meshes, key=distance)
     return _first(most, sorted(alike[: most // 2], key=distance), woven)
