@@ -156,8 +156,8 @@ def test_what_is_for_tubes_refuses_leds_in_a_line(tmp_path):
     case = read_case("mini-led-4mm")
     with pytest.raises(InputError, match="expected one kind of light to compare"):
         compare_cases([case, read_case("thesis-32in-bef")], tmp_path / "c", Measuring())
-    with pytest.raises(InputError, match="camera: not measured under LEDs: expected contrast"):
-        measure_film(case, ("camera",), tmp_path / "m", Measuring())
+    with pytest.raises(InputError, match="uniformity: not measured under LEDs: expected contrast"):
+        measure_film(case, ("uniformity",), tmp_path / "m", Measuring())
     path = tmp_path / "job.toml"
     path.write_text(
         'schema = 1\nname = "j"\n[map]\ncurvature_per_mm = 60\n[stack]\npreset = "mini-led-4mm"\n'
