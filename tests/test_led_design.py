@@ -201,7 +201,7 @@ def test_a_design_from_file_to_record(tmp_path):
 
 def test_the_job_of_a_design_makes_its_films_bit_for_bit(tmp_path):
     from mpfcad.job import read_job
-    from mpfcad.pipeline.led.design import write_job
+    from mpfcad.pipeline.led.design import job_tables, write_job
     from mpfcad.pipeline.plan.plan import read_plan
     from mpfcad.pipeline.progress import SILENT
     from mpfcad.pipeline.run.make import write_cad
@@ -212,7 +212,8 @@ def test_the_job_of_a_design_makes_its_films_bit_for_bit(tmp_path):
     out.mkdir()
     one = design(tmp_path, "[constraint]\npiece_mm = 0.25\n[mask]\nperiod_um = 500.0\n")
     write_films(one, read_stack("mini-led-4mm"), "mini-led-4mm", found, folder)
-    write_job(out / "d.toml", one, tmp_path / "design.toml", "mini-led-4mm", found)
+    tables = job_tables(one, found)
+    write_job(out / "d.toml", one, tmp_path / "design.toml", "mini-led-4mm", tables)
     plan = read_plan(read_job(out / "d.toml"), out / "d.toml")
     assert plan.job.mask.period_um == 500
     write_cad(plan, out, ("3mf",), SILENT)

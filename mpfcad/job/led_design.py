@@ -18,12 +18,34 @@ from mpfcad.job.model import (
 from mpfcad.job.reader import read_document, validate
 
 KIND = "leds"
+_MOST_BOARDS = 100
 
 
 class LedGoalTable(Table):
-    """`[goal]`: the contrast at which the search ends."""
+    """`[goal]`: the contrast at which the search ends, and what the map is for.
 
+    `aim`: `contrast`, of one board; or the thinnest, sparsest or fewest-LED board of `[range]`
+    whose contrast reaches the target.
+    """
+
+    aim: Literal["contrast", "thinnest", "sparsest", "fewest"] = "contrast"
     contrast_target: Annotated[Positive, Field(le=1)] = 0.018
+
+
+class LedRangeTable(Table):
+    """`[range]`: thicknesses or LED pitches [mm], or numbers of LEDs across, that may come out."""
+
+    min: Positive
+    max: Positive
+    step: Positive = 0.5
+
+    @model_validator(mode="after")
+    def _order(self) -> "LedRangeTable":
+        if self.min >= self.max:
+            raise ValueError(f"max = {self.max:g}: expected above {self.min:g}")
+        if (self.max - self.min) / self.step > _MOST_BOARDS:
+            raise ValueError(f"step = {self.step:g}: expected at most {_MOST_BOARDS} steps")
+        return self
 
 
 class LedConstraintTable(Table):
@@ -34,12 +56,17 @@ class LedConstraintTable(Table):
     harmonics: Annotated[int, Field(ge=1, le=4)] = 2
     levels: Annotated[int, Field(ge=2, le=1024)] = 64
     piece_mm: Annotated[Positive, Field(le=10)] = 0.5
+    solids_fraction_min: Annotated[Positive, Field(le=1)] | None = None
+    solids_fraction_max: Annotated[Positive, Field(le=1)] | None = None
 
     @model_validator(mode="after")
     def _order(self) -> "LedConstraintTable":
         low, high = self.curvature_min_per_mm, self.curvature_max_per_mm
         if low >= high:
             raise ValueError(f"curvature_max_per_mm = {high:g}: expected above {low:g}")
+        least, most = self.solids_fraction_min or 0.0, self.solids_fraction_max or 1.0
+        if least > most:
+            raise ValueError(f"solids_fraction_max = {most:g}: expected at least {least:g}")
         return self
 
 
@@ -88,10 +115,35 @@ class LedDesign(Table):
     mask: MaskTable | None = None
     stack: StackTable
     resin: ResinTable | None = None
+    range: LedRangeTable | None = None
+
+    @model_validator(mode="after")
+    def _range(self) -> "LedDesign":
+        if (self.goal.aim == "contrast") != (self.range is None):
+            raise ValueError(
+                f"range: goal.aim {self.goal.aim}: expected [range] with min, max and step for "
+                "thinnest, sparsest or fewest, and only there"
+            )
+        if self.goal.aim == "fewest" and self.range is not None:
+            ends = (self.range.min, self.range.max, self.range.step)
+            if any(end != int(end) for end in ends):
+                raise ValueError("range: of numbers of LEDs: expected whole numbers")
+        return self
 
     def document(self) -> dict[str, Any]:
         """Return the design as plain JSON values, every default written out."""
         return self.model_dump(mode="json", by_alias=True)
+
+
+def build_led_design(document: dict[str, Any], where: str) -> LedDesign:
+    """Return the design of a document.
+
+    Raises
+    ------
+    InputError
+        that begins with `where`, naming the field that is wrong.
+    """
+    return validate(LedDesign, document, where)
 
 
 def is_led_design(path: Path) -> bool:
@@ -107,4 +159,4 @@ def read_led_design(path: Path) -> LedDesign:
     InputError
         when the file cannot be read, is no TOML (naming the line), or a field is wrong.
     """
-    return validate(LedDesign, read_document(path), str(path))
+    return build_led_design(read_document(path), str(path))

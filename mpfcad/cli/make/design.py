@@ -68,8 +68,10 @@ def _led(design_file: Path, out: Path | None, effort: TraceEffort, threads: Thre
 
 def _print_led(record: dict[str, Any], folder: Path) -> None:
     """Print the films that a design for LEDs has tried and found."""
-    from mpfcad.report.page.led_page import departure_words
+    from mpfcad.report.page.led_page import departure_words, range_lines
 
+    for line in range_lines(record["range"]):
+        print(line)
     for one in record["tried"]:
         low, high = one["lamp_mura_contrast"]["ci95"]
         mean = one["series_per_mm"][0][0]
@@ -91,6 +93,8 @@ def _print_led(record: dict[str, Any], folder: Path) -> None:
     print(
         f"linear model of the last traces: no map of this mean within the limits below {least:.4f}"
     )
+    print(f"a mould, C from 20 /mm on: {record['mould']['lamp_mura_contrast']:.4f}, same model")
+    print(record["printing"]["words"])
     for one in record["bears"]:
         low, high = one["lamp_mura_contrast"]["ci95"]
         print(

@@ -12,7 +12,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.film import CurvatureSeries, PieceLibrary
 from mpfcad.job import build_job
-from mpfcad.job.led_design import LedDesign
+from mpfcad.job.led_design import LedConstraintTable, LedDesign
 from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.led.bound import least_contrast
@@ -24,6 +24,8 @@ from mpfcad.pipeline.led.film import (
     shown_films,
     write_films,
 )
+from mpfcad.pipeline.led.goal import GoalSearch, board_words, boards_of
+from mpfcad.pipeline.led.screen import describe_screen, find_screen, printed_tables
 from mpfcad.pipeline.led.search import LedSearch
 from mpfcad.pipeline.led.tolerance import find_tolerances
 from mpfcad.pipeline.led.tried import Tried
@@ -31,6 +33,8 @@ from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
 
+#: Least C [1/mm] that a mould is taken to have.
+_MOULD_LEAST = 20.0
 RECORD, PAGE, MAP = "design.json", "design.html", "curvature-cell.npz"
 
 
@@ -57,9 +61,7 @@ def run_led_design(
 
     design_file, out = Path(design_file), Path(out)
     refuse_foreign(out.resolve(), "led-design")
-    stack = read_job_stack(design, design_file)  # type: ignore[arg-type]
-    if stack.period.along <= 0:
-        raise InputError(f"{design_file}: stack: {stack.name}: tubes light it: expected LEDs")
+    stack = read_led_stack(design, design_file)
     count = threads or available_threads()
 
     def base(folder: Path) -> str:
@@ -67,17 +69,39 @@ def run_led_design(
             return str(design.stack.preset)
         return os.path.relpath(design_file.parent / design.stack.file, folder)
 
-    def tried(chosen: CurvatureSeries) -> CellResult:
-        with tempfile.TemporaryDirectory() as temporary:
-            folder = Path(temporary)
-            write_films(design, stack, base(folder), chosen, folder)
-            paths = round(design.search.paths_million * 1e6)
-            run = TraceRun(design.seed, count, paths, progress=progress.trace)
-            progress.stage(f"tracing C = {chosen.coefficient[0, 0]:.3g} /mm")
-            return _trace(folder, run, NO_GOAL)
+    def search_of(design: LedDesign) -> LedSearch:
+        stack = read_led_stack(design, design_file)
 
-    search = LedSearch(design, tried)
-    best = search.run()
+        def tried(chosen: CurvatureSeries) -> CellResult:
+            with tempfile.TemporaryDirectory() as temporary:
+                folder = Path(temporary)
+                write_films(design, stack, base(folder), chosen, folder)
+                paths = round(design.search.paths_million * 1e6)
+                run = TraceRun(design.seed, count, paths, progress=progress.trace)
+                progress.stage(f"tracing C = {chosen.coefficient[0, 0]:.3g} /mm{said(stack)}")
+                return _trace(folder, run, NO_GOAL)
+
+        return LedSearch(design, tried)
+
+    def said(stack: Stack) -> str:
+        return "" if goal is None else f", {board_words(design.goal.aim, stack)}"
+
+    goal = None
+    if design.goal.aim == "contrast":
+        search = search_of(design)
+        search.run()
+    else:
+        panel = stack.panel_width, stack.panel_length
+        boards = boards_of(design, str(design_file), panel)
+        for board in boards:  # all are read before any is traced
+            read_led_stack(board.design, design_file)
+        target = design.goal.contrast_target
+        goal = GoalSearch(boards, lambda board: search_of(board.design), target)
+        chosen = goal.run()
+        search, ranged = goal.searched[chosen], goal.describe(chosen, design.goal.aim)
+        design = boards[chosen].design
+        stack = read_led_stack(design, design_file)
+    best = search.best
     with export_folder(out, "led-design") as folder:
         films = write_films(design, stack, base(out), best.map, folder)
         progress.stage("checking " + " and ".join((FILM, CROSSED)[: len(films)]))
@@ -96,25 +120,31 @@ def run_led_design(
             (copy / STACK).write_text(text.replace(base(out), base(copy), 1), "utf-8")
             found = _trace(copy, run, setting.half_width_goal)
         tables = job_tables(design, best.map)
+        used = np.concatenate([film.curvature[np.unique(film.chosen)] for film in films])
+        printing = find_screen(design, design_file, tables, used)
+        tables = printed_tables(design, tables, printing)
         bears = find_tolerances(design, design_file, stack, tables, count, progress)
         record = {
             "schema": 1,
             "name": design.name,
             "design": design.document(),
-            # The search asks no screen; the job that is written does.
+            # The search asks no screen but by the limits of C; the job that is written does.
             "screen": PHOTOTOOL_ONLY,
+            "printing": describe_screen(printing),
+            "range": None if goal is None else ranged,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.source.cell),
             "series_per_mm": best.map.coefficient.tolist(),
             "films": [_describe_film(film) for film in films],
             "tried": [_describe_tried(one) for one in search.tried],
-            "model_least": _describe_least(design, search),
+            "model_least": _describe_least(design.constraint, search),
+            "mould": _describe_least(_of_mould(design), search),
             "effort": effort,
             "found": describe_cell(found, run.seed),
             "bears": bears,
         }
         write_text(folder / RECORD, canonical_json(record))
-        write_job(folder / f"{design.name}.toml", design, design_file, base(out), best.map)
+        write_job(folder / f"{design.name}.toml", design, design_file, base(out), tables)
         progress.stage(f"writing {PAGE}")
         write_led_page(folder / PAGE, record, shown_films(films, folder))
         write_manifest(folder, design.name, "led-design")
@@ -122,22 +152,37 @@ def run_led_design(
 
 
 def write_job(
-    path: Path, design: LedDesign, design_file: Path, stack: str, found: CurvatureSeries
+    path: Path, design: LedDesign, design_file: Path, stack: str, tables: dict[str, Any]
 ) -> None:
-    """Write the job of the map that was found; a stack's file is `stack` from beside the job."""
+    """Write the job of `tables`; a stack's file is `stack` from beside the job."""
     import tomli_w
 
-    document = job_tables(design, found)
+    document = {**tables, "stack": dict(tables["stack"])}
     if design.stack.file:
         document["stack"]["file"] = stack
     calibration = document.get("process", {}).get("calibration")
     if calibration is not None:
+        document["process"] = dict(document["process"])
         document["process"]["calibration"] = os.path.relpath(
             design_file.parent / calibration, path.parent
         )
     build_job(document, str(design_file))
     head = f"# Found by mpfcad design {design_file.name}\n# mpfcad run {path.name}\n"
     write_text(path, head + tomli_w.dumps(document))
+
+
+def read_led_stack(design: LedDesign, design_file: Path) -> Stack:
+    """Return the backlight of a design.
+
+    Raises
+    ------
+    InputError
+        when it is wrong, or tubes light it.
+    """
+    stack = read_job_stack(design, design_file)  # type: ignore[arg-type]
+    if stack.period.along <= 0:
+        raise InputError(f"{design_file}: stack: {stack.name}: tubes light it: expected LEDs")
+    return stack
 
 
 def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
@@ -194,9 +239,16 @@ def _describe_film(film: PieceLibrary) -> dict[str, Any]:
     }
 
 
-def _describe_least(design: LedDesign, search: LedSearch) -> dict[str, Any]:
-    """Return the best that the linear model has within the limits, from the best map's trace."""
-    least = least_contrast(design.constraint, search.best, search.response)
+def _of_mould(design: LedDesign) -> LedConstraintTable:
+    """Return the limits of C that a mould has: none but those of the groove."""
+    most = design.film.groove.curvature_most(design.film.profile)
+    update = {"curvature_min_per_mm": _MOULD_LEAST, "curvature_max_per_mm": most}
+    return design.constraint.model_copy(update=update)
+
+
+def _describe_least(limit: LedConstraintTable, search: LedSearch) -> dict[str, Any]:
+    """Return the best that the linear model has within limits, from the best map's trace."""
+    least = least_contrast(limit, search.best, search.response)
     return {
         "lamp_mura_contrast": least.contrast,
         "series_per_mm": least.coefficient.tolist(),

@@ -50,13 +50,10 @@ class LedSearch:
 
     def run(self) -> Tried:
         """Return the best map after uniform films and corrections."""
-        size = self.design.constraint.harmonics + 1
         for curvature in self.design.search.uniform_per_mm:
-            coefficient = np.zeros((size, size))
-            coefficient[0, 0] = curvature
-            self._try(coefficient)
+            self.try_even(curvature)
         last = self.best
-        response = self.response = self._prior(last.map.coefficient[0, 0])
+        response = self.response = self.prior_of(last)
         for _ in range(self.design.search.iterations):
             if self.best.found.contrast.value <= self.design.goal.contrast_target:
                 break
@@ -70,6 +67,20 @@ class LedSearch:
             response[told] = prior * np.clip(gained / prior, _LEAST, _MOST)
             last = new
         return self.best
+
+    def try_even(self, curvature: float) -> Tried:
+        """Return the film of one curvature [1/mm], traced once."""
+        size = self.design.constraint.harmonics + 1
+        coefficient = np.zeros((size, size))
+        coefficient[0, 0] = curvature
+        for one in self.tried:
+            if np.array_equal(one.map.coefficient, coefficient):
+                return one
+        return self._try(coefficient)
+
+    def prior_of(self, one: Tried) -> NDArray[np.float64]:
+        """Return the response (h+1, h+1) [mm] that films of its mean have by experience."""
+        return self._prior(one.map.coefficient[0, 0])
 
     def _prior(self, curvature: float) -> NDArray[np.float64]:
         size = self.design.constraint.harmonics + 1

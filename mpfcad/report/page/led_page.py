@@ -35,6 +35,8 @@ def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> No
         films=[_film(film, number) for number, film in enumerate(films, 1)],
         bears=[_borne(one) for one in record["bears"]],
         tried=[_tried(one) for one in record["tried"]],
+        range=range_lines(record["range"]),
+        boards=[_board(one) for one in (record["range"] or {"boards": []})["boards"]],
     )
     path.write_bytes(page.encode())
 
@@ -52,7 +54,38 @@ def _result(record: Record) -> list[tuple[str, str]]:
         ("paths of that trace", f"{found['paths'] / 1e6:.2f} million"),
         ("least contrast of any map of this mean within the limits, by a linear model",
          number(record["model_least"]["lamp_mura_contrast"], 4)),
+        ("the same for a mould's C, from 20 /mm on",
+         number(record["mould"]["lamp_mura_contrast"], 4)),
+        ("screen", record["printing"]["words"]),
     ]  # fmt: skip
+
+
+def range_lines(found: Record | None) -> list[str]:
+    """Return what a range of boards came to, in words; none of one board."""
+    if found is None:
+        return []
+    unit = f" {found['unit']}" if found["unit"] else ""
+    words = f"{found['of']} {found['chosen']:g}{unit}"
+    target = f"contrast {found['contrast_target']:g}"
+    if not found["serves"]:
+        return [f"no {found['of']} of the range serves {target}; shown is the easiest, {words}"]
+    last = [b for b in found["boards"] if b["searched"] and not b["searched"]["serves"]]
+    beyond = (
+        f"; {min(last, key=lambda b: abs(b['value'] - found['chosen']))['value']:g}{unit} does not"
+        if last
+        else "; it is the range's end"
+    )
+    return [f"{found['aim']} that serves {target} in the search: {words}{beyond}"]
+
+
+def _board(one: Record) -> list[str]:
+    searched = one["searched"]
+    return [
+        f"{one['value']:g}",
+        "–" if one["model_least"] is None else number(one["model_least"], 3),
+        "–" if searched is None else with_interval(searched, 4),
+        "–" if searched is None else "serves" if searched["serves"] else "fails",
+    ]
 
 
 def _film(film: ShownFilm, place: int) -> Record:
