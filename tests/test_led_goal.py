@@ -7,6 +7,7 @@ import pytest
 from test_led_design import Model
 
 from mpfcad.errors import InputError
+from mpfcad.export import canonical_json
 from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import read_led_design
 from mpfcad.pipeline.led.design import job_tables, read_led_stack, run_led_design
@@ -104,6 +105,7 @@ def test_a_screen_is_found_by_its_solids(tmp_path):
     best = find_screen(one, file, tables, np.array([70.0, 76.0]))
     assert best is not None and best.margin >= 1 and 0.02 <= best.solids_fraction <= 0.3
     assert describe_screen(best)["prints"]
+    canonical_json(describe_screen(best))  # every number is one
     printed = printed_tables(one, tables, best)
     assert printed["process"]["solids_fraction"] == best.solids_fraction
     assert printed["mask"]["mesh"] == {"name": "150-31"}

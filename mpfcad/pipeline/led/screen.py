@@ -12,6 +12,7 @@ from mpfcad.film import check_printable
 from mpfcad.job import Job, build_job
 from mpfcad.job.led_design import LedDesign
 from mpfcad.mask.fabric import Mesh
+from mpfcad.pipeline.plan.printed.propose import with_angle
 from mpfcad.pipeline.plan.printed.screen import catalogue_of, screen_mesh, with_own_catalogue
 from mpfcad.pipeline.plan.printed.trial import Proposal, best_row, rank, trial_process
 from mpfcad.units import um
@@ -52,7 +53,7 @@ def find_screen(
                 continue  # such a screen does not hold these films
             if row is not None and (best is None or rank(row) > rank(best)):
                 best = row
-    return best
+    return None if best is None else with_angle(job, best, groove)
 
 
 def _solids(design: LedDesign, job: Job, named: bool) -> list[float]:

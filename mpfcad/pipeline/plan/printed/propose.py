@@ -59,11 +59,11 @@ def propose(job: Job, job_file: Path, asked: Asked, groove: Groove) -> list[Prop
     if not found:
         refuse_map(job, job_file, asked, groove, meshes)
     found.sort(key=rank, reverse=True)
-    shown = [_with_angle(job, row, groove) for row in found[:MOST_ROWS]]
+    shown = [with_angle(job, row, groove) for row in found[:MOST_ROWS]]
     return sorted(shown, key=rank, reverse=True)
 
 
-def _with_angle(job: Job, row: Proposal, groove: Groove) -> Proposal:
+def with_angle(job: Job, row: Proposal, groove: Groove) -> Proposal:
     """Return a screen with the angle of the weakest moiré."""
     rules = MaskRules(
         row.pattern, row.period, job.mask.min_aperture, job.mask.min_web,
