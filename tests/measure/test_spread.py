@@ -41,11 +41,14 @@ def stack(folder, source="zones = [3, 8]\n"):
     return read_stack(folder / "board.toml")
 
 
+def bare(folder, source="zones = [3, 8]\n"):
+    film_mesh(folder, [BARE])
+    return light_film(stack(folder, source).with_bare(folder / "film.stl"), folder / "film.stl")
+
+
 @pytest.fixture(scope="module")
 def lit(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("spread")
-    film_mesh(folder, [BARE])
-    return light_film(stack(folder).with_bare(folder / "film.stl"), folder / "film.stl")
+    return bare(tmp_path_factory.mktemp("spread"))
 
 
 @pytest.fixture(scope="module")
@@ -225,6 +228,24 @@ def test_record_page_and_picture(lit, found, tmp_path):
     picture = imread(tmp_path / "camera.tif")
     assert picture.shape == (52, 52)
     assert np.array_equal(picture[:13, :13], picture[13:26, 39:])
+
+
+def test_maps_of_too_many_leds_are_refused(tmp_path):
+    lit = bare(tmp_path, "repeat = [3, 6]\n")
+    with pytest.raises(InputError, match="18 LEDs are traced together"):
+        led_spread(lit, TraceRun(), 0.1)
+
+
+def test_several_leds_of_a_cell_have_maps_of_their_own(tmp_path):
+    # Two LEDs of flux 1 and 3 in a cell: each alone, and the share of light of each.
+    (tmp_path / "led.csv").write_text("x_mm,y_mm,flux_factor\n0,0,1\n6,0,3\n")
+    source = 'lattice = "list"\npositions = "led.csv"\n'
+    found = led_spread(bare(tmp_path, source), TraceRun(path_limit=1), 1.0)
+    light = found.batch.sum(axis=(0, 2, 3, 4, 5))
+    # Of 262,144 paths: relative standard error about 1.5/√65,000.
+    assert light[1] / light[0] == pytest.approx(3, abs=4 * 3 * 1.7 / math.sqrt(65_000))
+    whole = found.share().mean(axis=0).sum(axis=(1, 2)) + found.beside.mean()
+    assert whole == pytest.approx(np.ones(2), abs=1e-9)
 
 
 def test_a_spread_is_the_same_at_any_number_of_threads(lit):

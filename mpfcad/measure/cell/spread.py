@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.errors import TraceError
+from mpfcad.errors import InputError, TraceError
 from mpfcad.measure.cell.luminance import refuse_sheetless
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import LOST_LIMIT, Lit, TraceRun, TraceState, Watch
@@ -146,7 +146,7 @@ def led_spread(lit: Lit, run: TraceRun, error_goal: float) -> SpreadResult:
     Raises
     ------
     InputError
-        when the topmost layer is no sheet that scatters.
+        when the topmost layer is no sheet that scatters, or too many LEDs are traced together.
     TraceError
         when more than 1e-6 of the light is lost.
     """
@@ -154,6 +154,12 @@ def led_spread(lit: Lit, run: TraceRun, error_goal: float) -> SpreadResult:
     from mpfcad.optics.forward.spread import BATCHES, SpreadTally, trace_spread
 
     refuse_sheetless(lit)
+    count = len(lit.scene.led)
+    if count > MOST_LEDS:
+        raise InputError(
+            f"{lit.stack.name}: source: {count} LEDs are traced together: each has a map of its "
+            f"own: expected at most {MOST_LEDS}: fewer in the cell, or less repeat"
+        )
     meter = _meter(lit, run)
     tally, error, done = SpreadTally.empty(lit.scene, meter), math.nan, 0
     while done == 0 or (error > error_goal and tally.paths < run.path_limit):
