@@ -262,7 +262,7 @@ def pass_layers(scene, enter_below, seed, out):
                 )
                 weight *= kept
             elif scene.kind[e] == SHEET:
-                passed, dx, dy, dz = sheet.sheet_passage(p, dx, dy, dz, rng)
+                passed, dx, dy, dz = sheet.sheet_passage(p, dx, dy, dz, None, rng)
                 weight *= p[sheet.TRANSMISSION]
                 way = 1 if passed == up else -1
             elif scene.kind[e] == BSDF:

@@ -140,6 +140,7 @@ def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
             1.0,
             flow,
             None,
+            None,
             rng,
         )
         if way == 0:

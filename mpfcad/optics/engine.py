@@ -42,6 +42,7 @@ from mpfcad.optics.film.passage import (
 from mpfcad.optics.film.section_lanes import section_passages
 from mpfcad.optics.passage import ENDED, next_element, pass_element
 from mpfcad.optics.scene import Scene, build_scene
+from mpfcad.optics.score.state import begin_scores, see, settle
 from mpfcad.optics.search.tile import BVH, GRID, SECTION
 from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
@@ -72,9 +73,10 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
 
 
 @kernel
-def _refill(scene, source, seed, stream, first, started, slots, count, wave):
+def _refill(scene, source, seed, stream, first, started, slots, count, wave, score):
     """Put new paths into free slots while there are any of `count`; return the next's number."""
     slots = slots[: min(len(slots), count - started)]
+    begin_scores(score, slots)
     if source.kind == LAMPS:
         for i in range(len(slots)):
             path = first + uint64(started + i)
@@ -86,7 +88,7 @@ def _refill(scene, source, seed, stream, first, started, slots, count, wave):
 
 
 @kernel
-def pass_queue(scene, e, rays, wave, flow):
+def pass_queue(scene, e, rays, wave, flow, score):
     """Follow the rays that wait before element e through it, the first ones eight at a time."""
     eight = 0
     if scene.kind[e] == FILM:
@@ -100,22 +102,24 @@ def pass_queue(scene, e, rays, wave, flow):
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
     elif scene.kind[e] == CAVITY:
-        eight = pass_cavity_queue(scene, rays, wave, flow)
-    _pass_one_by_one(scene, e, rays[eight:], wave, flow)
+        eight = pass_cavity_queue(scene, rays, wave, flow, score)
+    _pass_one_by_one(scene, e, rays[eight:], wave, flow, score)
 
 
 @kernel
-def _pass_one_by_one(scene, e, rays, wave, flow):
+def _pass_one_by_one(scene, e, rays, wave, flow, score):
     """Follow rays through an element of any kind."""
     for slot in rays:
         p = wave.place[slot]
+        before = 1.0 if scene.kind[e] == CAVITY else wave.weight[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
             scene, e, wave.upward[slot] != 0, p[0], p[1], p[2], p[3], p[4], p[5],
-            wave.lamp[slot], wave.weight[slot], flow, None, wave.rng[slot],
+            wave.lamp[slot], wave.weight[slot], flow, None, score, wave.rng[slot],
         )  # fmt: skip
         wave.way[slot] = way
         wave.lamp[slot] = NO_LAMP
         wave.radiance[slot] += found
+        settle(score, wave, slot, e, before, found)
 
 
 @kernel
@@ -153,7 +157,7 @@ def _pass_film(tile, film, rays, wave):
 
 
 @kernel
-def go_on(scene, e, slot, wave, flow):
+def go_on(scene, e, slot, wave, flow, score):
     """Move a ray that has left element e before the next; return whether its path goes on."""
     way = wave.way[slot]
     e, wave.weight[slot], found = next_element(
@@ -161,11 +165,46 @@ def go_on(scene, e, slot, wave, flow):
         wave.rng[slot],
     )  # fmt: skip
     wave.radiance[slot] += found
+    see(score, wave, slot, found)
     if e == ENDED:
         return False
     wave.upward[slot] = 1 if way > 0 else 0
     enqueue(wave, e, slot)
     return True
+
+
+@kernel
+def follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, score):
+    """Follow paths `first` and on as `trace_paths` does; `score` gets their scores, or is None."""
+    started, caught = 0, 0
+    freed = wave.freed
+    free = min(len(freed), len(radiance))
+    for slot in range(free):
+        freed[slot] = slot
+    while True:
+        started = _refill(
+            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave, score
+        )
+        free = 0
+        e, waiting = longest_queue(wave)
+        if waiting == 0:
+            return caught
+        rays = wave.batch[:waiting]
+        for i in range(waiting):
+            rays[i] = wave.queue[e, i]
+        wave.length[e] = 0
+        pass_queue(scene, e, rays, wave, flow, score)
+        is_under_gate = e + 1 == net.gate
+        for i in range(waiting):
+            slot = uint64(rays[i])
+            goes_on = go_on(scene, e, slot, wave, flow, score)
+            if is_under_gate:
+                caught = catch(net, scene.wall, wave, slot, caught)
+            if goes_on:
+                continue
+            radiance[wave.path[slot]] = wave.radiance[slot]
+            freed[free] = slot
+            free += 1
 
 
 @entry
@@ -176,35 +215,7 @@ def trace_paths(scene, source, seed, stream, first, wave, radiance, flow, net):
     `net` gets the rays that come up to its gate; returned is how many came. A scene without
     elements has no paths.
     """
-    started, caught = 0, 0
-    freed = wave.freed
-    free = min(len(freed), len(radiance))
-    for slot in range(free):
-        freed[slot] = slot
-    while True:
-        started = _refill(
-            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave
-        )
-        free = 0
-        e, waiting = longest_queue(wave)
-        if waiting == 0:
-            return caught
-        rays = wave.batch[:waiting]
-        for i in range(waiting):
-            rays[i] = wave.queue[e, i]
-        wave.length[e] = 0
-        pass_queue(scene, e, rays, wave, flow)
-        is_under_gate = e + 1 == net.gate
-        for i in range(waiting):
-            slot = uint64(rays[i])
-            goes_on = go_on(scene, e, slot, wave, flow)
-            if is_under_gate:
-                caught = catch(net, scene.wall, wave, slot, caught)
-            if goes_on:
-                continue
-            radiance[wave.path[slot]] = wave.radiance[slot]
-            freed[free] = slot
-            free += 1
+    return follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, None)
 
 
 def compile_tracer() -> None:

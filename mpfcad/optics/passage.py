@@ -23,9 +23,10 @@ from mpfcad.optics.element import (
     SLAB,
     TABLE,
 )
-from mpfcad.optics.film.passage import placed_film_passage
+from mpfcad.optics.film.passage import ABSORPTION, placed_film_passage
 from mpfcad.optics.library.cell_passage import placed_cell_passage
 from mpfcad.optics.library.passage import placed_library_passage
+from mpfcad.optics.score.state import PASSED, soak, weigh
 from mpfcad.optics.sheet import DEPOLARISATION, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
 from mpfcad.optics.stokes.mueller import mueller_passage
@@ -37,11 +38,12 @@ ENDED = -1
 
 
 @kernel
-def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
+def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
     """Follow a ray through element e: (way, x, y, dx, dy, dz, weight, radiance found).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; z and lamp count for a path
-    that starts in the cavity. `light` is the state of polarised light, or None.
+    that starts in the cavity. `light` is the state of polarised light, or None; `score`
+    what its path keeps for derivatives, or None.
     """
     kind = scene.kind[e]
     parameter = scene.parameter[e]
@@ -50,20 +52,21 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, r
     found = 0.0
     if kind == CAVITY:
         x, y, dx, dy, dz, weight, found = cavity_passage(
-            scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng
+            scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng
         )
         before = weight
     elif kind == SLAB:
         way, x, y, dx, dy, dz, survival = slab_passage(
-            scene.phase, parameter, up, x, y, dx, dy, dz, light, rng
+            scene.phase, parameter, up, x, y, dx, dy, dz, light, score, rng
         )
         weight *= survival
     elif kind == SHEET:
         kx, ky, kz = dx, dy, dz
-        passed, dx, dy, dz = sheet_passage(parameter, dx, dy, dz, rng)
+        passed, dx, dy, dz = sheet_passage(parameter, dx, dy, dz, score, rng)
         scatter_light(light, passed, kx, ky, kz, dx, dy, dz)
         fade(light, 1.0 - parameter[DEPOLARISATION])
         weight *= parameter[TRANSMISSION]
+        weigh(score, PASSED, 1.0 / parameter[TRANSMISSION])
         way = 1 if passed == up else -1
     elif kind == BSDF:
         table = int(parameter[TABLE])
@@ -94,6 +97,7 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, r
             scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, light, rng
         )
         weight *= survival
+        soak(score, parameter[ABSORPTION], survival)
     flow[FLOW_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
 

@@ -4,7 +4,8 @@ import math
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
-from mpfcad.optics.base.sampling import turn, uniform
+from mpfcad.optics.base.sampling import henyey_greenstein_slope, turn, uniform
+from mpfcad.optics.score.state import ABSORBED, SCATTERED, TURNED, draw, weigh
 from mpfcad.optics.stokes.interface import meet_interface
 from mpfcad.optics.stokes.state import depolarise
 
@@ -14,7 +15,7 @@ _MOST_STEPS = 1_000_000
 
 
 @kernel
-def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, rng):
+def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
     """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its
@@ -45,12 +46,17 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, rng):
         if scattering > 0.0:
             free = -math.log(1.0 - uniform(rng)) / scattering
         step = min(free, to_face)
+        weigh(score, ABSORBED, -step)
+        if scattering > 0.0:
+            draw(score, SCATTERED, (1.0 / scattering if free < to_face else 0.0) - step)
         travelled += step
         x += step * dx
         y += step * dy
         if free < to_face:
             z += step * dz
             cosine = scattering_cosine(phase, row, asymmetry, uniform(rng))
+            if row < 0:
+                draw(score, TURNED, henyey_greenstein_slope(asymmetry, cosine))
             dx, dy, dz = turn(dx, dy, dz, cosine, 2.0 * math.pi * uniform(rng))
             depolarise(light)
             continue

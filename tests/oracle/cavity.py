@@ -1,6 +1,7 @@
 """The oracle's space under the stack: lamps over a reflector, in plain Python."""
 
 import math
+from dataclasses import replace
 
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity
@@ -24,8 +25,10 @@ def cavity_passage(
         if distance < plane:
             if lamp not in counted:
                 total += weight * cavity.lamp_luminance
+                rng.found(weight * cavity.lamp_luminance)
             counted = range(0)
             weight *= cavity.lamp_reflectance
+            rng.happens(cavity, "lamp_reflectance", math.log)
             centre = cavity.lamp_position + lamp * cavity.lamp_pitch
             normal = (
                 (x - centre) / cavity.lamp_radius, 0.0,
@@ -40,8 +43,18 @@ def cavity_passage(
             d, kept = _reflector(cavity, d, rng)
             weight *= kept
             if cavity.brdf is None:
+                rng.happens(cavity, "reflectance", math.log)
                 share, counted = _direct(cavity, x, mirrored)
                 total += weight * share * cavity.lamp_luminance
+                more, _ = _direct(replace(cavity, specular_fraction=1.0), x, mirrored)
+                less, _ = _direct(replace(cavity, specular_fraction=0.0), x, mirrored)
+                part = weight * cavity.lamp_luminance
+                rng.found(part * share, part * (more - less))
+                is_mirrored = d == mirrored
+                rng.happens(
+                    cavity, "specular_fraction",
+                    lambda s, m=is_mirrored: math.log(s if m else 1 - s),
+                )  # fmt: skip
                 if d == mirrored:
                     counted = range(-10_000, 10_000)
         weight = roulette(weight, rng)

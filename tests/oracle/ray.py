@@ -1,7 +1,7 @@
 """The oracle's random numbers, vectors, Fresnel's formulas and facets, in plain Python."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from mpfcad.optics.base.net import DIMENSIONS, NET, direction_numbers
 
@@ -55,6 +55,12 @@ class Philox:
     def seen(self, radiance: float) -> float:
         """Return what a meter sees of a radiance that the path has found."""
         return radiance
+
+    def happens(self, element: object, name: str, log_density: Callable[[float], float]) -> None:
+        """Hear ln of an event's density, or of the weight it leaves, as a function of a value."""
+
+    def found(self, radiance: float, by_share: float = 0.0) -> None:
+        """Hear of light as it is found, and of its own derivative by the mirrored share."""
 
     def _of_net(self, stream: int, net: int, index: int) -> list[float]:
         a, b, _, _ = self._words([0xFFFFFFFF, stream, net & 0xFFFFFFFF, net >> 32])

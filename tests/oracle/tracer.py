@@ -105,10 +105,13 @@ class ReferenceTracer:
         kx, ky = d[0] + turned.real, d[1] + turned.imag
         accept = rng()
         weight *= sheet.transmission
+        _tell_sheet(sheet, rng, u, v)
         if kx * kx + ky * ky < 1:
             kz = math.sqrt(1 - kx * kx - ky * ky)
             r1, r2 = (reflectance(c, 1.0, sheet.index) for c in (abs(d[2]), kz))
-            if accept < (1 - r1) * (1 - r2) / (1 - r1 * r2):
+            passes = accept < (1 - r1) * (1 - r2) / (1 - r1 * r2)
+            rng.happens(sheet, "index", lambda n: _chance(n, abs(d[2]), kz, passes))
+            if passes:
                 k = (kx, ky, math.copysign(kz, d[2]))
                 rng.scatter(d, k, True, 1 - sheet.depolarisation)
                 return up, place, k, weight, 0.0
@@ -140,9 +143,19 @@ class ReferenceTracer:
             free = -math.log(1 - rng()) / slab.scattering if slab.scattering else math.inf
             step = min(face, free)
             weight *= math.exp(-slab.absorption * step)
+            rng.happens(slab, "absorption", lambda a, step=step: -a * step)
+            meets = free < face
+            rng.happens(
+                slab, "scattering",
+                lambda s, step=step, meets=meets: (math.log(s) if meets else 0.0) - s * step,
+            )  # fmt: skip
             x, y, z = x + step * d[0], y + step * d[1], z + step * d[2]
             if free < face:
                 cosine = scattering_cosine(slab.phase, slab.asymmetry, rng())
+                rng.happens(
+                    slab, "asymmetry",
+                    lambda g, c=cosine: math.log((1 - g * g) / (1 + g * g - 2 * g * c) ** 1.5),
+                )  # fmt: skip
                 d = about(d, cosine, 2 * math.pi * rng())
                 rng.depolarise()
                 continue
@@ -159,3 +172,32 @@ class ReferenceTracer:
 
     def _film(self, film, up, place, d, weight, rng):
         return self.films[id(film)].passage(up, place, d, weight, rng)
+
+
+def _tell_sheet(sheet, rng, u, v):
+    """Tell what a sheet draws and takes, by each of its values; (u, v) in its own axes."""
+
+    def normal(a, b):
+        return math.exp(-(u * u / a**2 + v * v / b**2) / 2) / (2 * math.pi * a * b)
+
+    def density(a, b, wide, share):
+        return math.log((1 - share) * normal(a, b) + (share * normal(wide, wide) if share else 0))
+
+    a, wide, share = sheet.sigma, sheet.wide_sigma, sheet.wide_share
+    b = a if sheet.sigma_across is None else sheet.sigma_across
+    if sheet.sigma_across is None:
+        rng.happens(sheet, "sigma", lambda s: density(s, s, wide, share))
+    else:
+        rng.happens(sheet, "sigma", lambda s: density(s, b, wide, share))
+        rng.happens(sheet, "sigma_across", lambda s: density(a, s, wide, share))
+    if share:
+        rng.happens(sheet, "wide_sigma", lambda s: density(a, b, s, share))
+        rng.happens(sheet, "wide_share", lambda s: density(a, b, wide, s))
+    rng.happens(sheet, "transmission", math.log)
+
+
+def _chance(index, cos_in, cos_out, passes):
+    """Return ln of the chance that a sheet's faces pass a ray, or that they reflect it."""
+    r1, r2 = (reflectance(c, 1.0, index) for c in (cos_in, cos_out))
+    passed = (1 - r1) * (1 - r2) / (1 - r1 * r2)
+    return math.log(passed if passes else 1 - passed)

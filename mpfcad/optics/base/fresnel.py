@@ -22,3 +22,17 @@ def fresnel(cos_in, index_ratio):
     both = s_sum * p_sum
     reflectance = 0.5 * (s_part * s_part + p_part * p_part) / (both * both)
     return select(total, 1.0, reflectance), cos_out
+
+
+@kernel
+def fresnel_slope(cos_in, index):
+    """Return dR/dn of the reflectance of a medium of index n, met from air.
+
+    r_s = (c - q)/(c + q), r_p = (n² c - q)/(n² c + q) with q = √(n² - 1 + c²), dq/dn = n/q.
+    """
+    q = root(index * index - 1.0 + cos_in * cos_in)
+    turned, dense = index / q, index * index * cos_in
+    s_sum, p_sum = cos_in + q, dense + q
+    s_slope = -2.0 * cos_in * turned / (s_sum * s_sum)
+    p_slope = 2.0 * (2.0 * index * cos_in * q - dense * turned) / (p_sum * p_sum)
+    return (cos_in - q) / s_sum * s_slope + (dense - q) / p_sum * p_slope

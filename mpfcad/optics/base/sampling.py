@@ -139,6 +139,12 @@ def henyey_greenstein_cosine(g, u):
 
 
 @kernel
+def henyey_greenstein_slope(g, cosine):
+    """Return ∂ ln p/∂g of the density p = (1-g²)/(2 (1+g²-2g cos)^3/2) of a cosine."""
+    return 3.0 * (cosine - g) / (1.0 + g * g - 2.0 * g * cosine) - 2.0 * g / (1.0 - g * g)
+
+
+@kernel
 def turn(dx, dy, dz, cosine, azimuth):
     """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz)."""
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))

@@ -62,7 +62,8 @@ def panel_surplus(parameter, lamp, x, before, after):
     The mean over all directions in which the reflector may turn a ray at x, less what comes from
     the one it took: a control variate of mean 0, for what the lamps as they are give a ray is met
     where it is. Of the nearest lamp and its neighbours, each by its factor; `before` and `after`
-    are the sines from the vertical, seen along y, of the ray come and gone.
+    are the sines from the vertical, seen along y, of the ray come and gone. And its slope by the
+    mirrored part.
     """
     nearest, left, right = _neighbours(lamp, x)
     height, radius = parameter[LAMP_HEIGHT], parameter[LAMP_RADIUS]
@@ -78,7 +79,7 @@ def panel_surplus(parameter, lamp, x, before, after):
         found = _shine(max(first, high), last, lamp[right, FACTOR], before, after)
         mean, mirrored, taken = mean + found[0], mirrored + found[1], taken + found[2]
     share = parameter[SPECULAR_FRACTION]
-    return (1.0 - share) * mean + share * mirrored - taken
+    return (1.0 - share) * mean + share * mirrored - taken, mirrored - mean
 
 
 @kernel
@@ -112,18 +113,22 @@ def _shine(low, high, factor, before, after):
 
 @kernel
 def direct_light(parameter, x, dx, dz):
-    """Return the share of a ray's reflected light that lamps send there, and the nearest's number.
+    """Return (share of a ray's reflected light that lamps send there, nearest's number, slope).
 
-    `parameter` is the cavity's; the ray meets the reflector at x with direction (dx, dz) across.
+    The slope is that of the share by the mirrored part, where there is one. `parameter` is the
+    cavity's; the ray meets the reflector at x with direction (dx, dz) across.
     """
     pitch, position = parameter[LAMP_PITCH], parameter[LAMP_POSITION]
     height, radius = parameter[LAMP_HEIGHT], parameter[LAMP_RADIUS]
     share, nearest = lamp_view(pitch, position, height, radius, x)
     mirrored = parameter[SPECULAR_FRACTION]
+    slope = -share
     share = share * (1.0 - mirrored)
     if mirrored > 0.0:
         distance, _, _ = lamp_hit(
             x, 0.0 * x, dx, -dz, pitch, position, height, radius, 1.0 * NO_LAMP
         )
-        share = share + select(distance < math.inf, mirrored, 0.0)
-    return share, nearest
+        met = distance < math.inf
+        share = share + select(met, mirrored, 0.0)
+        slope = slope + select(met, 1.0, 0.0)
+    return share, nearest, slope

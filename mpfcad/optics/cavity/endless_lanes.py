@@ -21,16 +21,18 @@ from mpfcad.optics.cavity.endless import (
     SPECULAR_FRACTION,
     lamp_hit,
 )
+from mpfcad.optics.score.state import settle_lanes
 
 _MOST_MEETINGS = 1_000_000
 _FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST = range(5)
 
 
 @kernel
-def cavity_passages(cavity, slots, wave, sums):
+def cavity_passages(cavity, slots, wave, sums, score):
     """Follow the rays of up to eight slots, which come from above, through an endless cavity.
 
-    `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went.
+    `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went,
+    `score` what derivatives need, or is None.
     """
     place, rng = wave.lane_place, wave.lane_rng
     for i in range(LANES):
@@ -39,7 +41,7 @@ def cavity_passages(cavity, slots, wave, sums):
         store(place, i, load(wave.place, slot))
         store(rng, i, load(wave.rng, slot))
         place[i, 6] = wave.weight[slot]
-    weight = _follow(cavity, place, rng, wave.lane_flow)
+    weight = _follow(cavity, place, rng, wave.lane_flow, score)
     store(wave.lane_weight, 0, weight)
     for i in range(len(slots)):
         slot = slots[i]
@@ -53,10 +55,11 @@ def cavity_passages(cavity, slots, wave, sums):
         sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
         sums[FLOW_ROULETTE] += flow[i, _ROULETTE]
         sums[FLOW_LOST] += flow[i, _LOST]
+    settle_lanes(score, wave, slots)
 
 
 @kernel
-def _follow(cavity, place, rng, flow):
+def _follow(cavity, place, rng, flow, score):
     """Follow eight rays until all have left; return their weights, and put the rest into flow."""
     top, luminance = cavity[HEIGHT], cavity[LAMP_LUMINANCE]
     height, radius = cavity[LAMP_HEIGHT], cavity[LAMP_RADIUS]
@@ -69,6 +72,12 @@ def _follow(cavity, place, rng, flow):
     own = spread(1.0 * NO_LAMP)
     first, last = spread(1.0 * NONE_COUNTED[0]), spread(1.0 * NONE_COUNTED[1])
     found, to_lamps, to_element, to_roulette, lost = zero, zero, zero, zero, zero
+    if score is not None:
+        # Meetings with lamps and reflector, the mirrored part's score; light by each; control.
+        lamps, floors, odds, by_lamps, by_floors, by_odds, drawn = (
+            zero, zero, zero, zero, zero, zero, zero,
+        )  # fmt: skip
+        to_mirror, to_diffuse = 1.0 / specular, -1.0 / (1.0 - specular)
     alive = weight > 0.0
     for _ in range(_MOST_MEETINGS):
         if not any_of(alive):
@@ -92,6 +101,11 @@ def _follow(cavity, place, rng, flow):
         # Weight and light found.
         fresh = lamp & (((number >= first) & (number <= last)) ^ True)
         found = found + select(fresh, weight * luminance, 0.0)
+        if score is not None:
+            light = select(fresh, weight * luminance, 0.0)
+            by_lamps, by_floors = by_lamps + light * lamps, by_floors + light * floors
+            by_odds = by_odds + light * odds
+            lamps, floors = lamps + select(lamp, 1.0, 0.0), floors + select(floor, 1.0, 0.0)
         to_lamps = to_lamps + select(lamp, weight * (1.0 - cavity[LAMP_REFLECTANCE]), 0.0)
         kept = weight * select(
             lamp, cavity[LAMP_REFLECTANCE], select(floor, cavity[REFLECTANCE], 1.0)
@@ -103,14 +117,22 @@ def _follow(cavity, place, rng, flow):
             select(lamp, 1.0 * NONE_COUNTED[1], last),
         )
         if luminance > 0.0:
-            share, nearest = direct_light(cavity, x, dx, dz)
+            share, nearest, slope = direct_light(cavity, x, dx, dz)
             found = found + select(floor, weight * share * luminance, 0.0)
+            if score is not None:
+                light = select(floor, weight * share * luminance, 0.0)
+                by_lamps, by_floors = by_lamps + light * lamps, by_floors + light * floors
+                slope = select(floor, weight * slope * luminance, 0.0)
+                by_odds = by_odds + light * odds + slope
             first, last = select(floor, nearest - 1.0, first), select(floor, nearest + 1.0, last)
         # The direction after: about the lamp's normal, Lambertian or mirrored.
         one, two, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
         mirrored = floor & (one < specular)
         diffuse = floor & (mirrored ^ True)
         draw, spare, has = take(draw, spare, has, aft, mirrored, lamp | diffuse)
+        if score is not None:
+            step = select(mirrored, to_mirror, select(diffuse, to_diffuse, 0.0))
+            odds, drawn = odds + step, drawn + weight * step
         first = select(mirrored, 1.0 * ALL_COUNTED[0], first)
         last = select(mirrored, 1.0 * ALL_COUNTED[1], last)
         three, four, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
@@ -139,4 +161,10 @@ def _follow(cavity, place, rng, flow):
     store_lines(place, x, y, z, dx, dy, dz, zero, zero)
     store_lines(rng, key0, key1, path0, path1, stream, draw, spare, select(has, 1, 0))
     store_lines(flow, found, to_lamps, to_element, to_roulette, lost, zero, zero, zero)
+    if score is not None:
+        store_lines(
+            score.lane, lamps / cavity[LAMP_REFLECTANCE], floors / cavity[REFLECTANCE], odds,
+            by_lamps / cavity[LAMP_REFLECTANCE], by_floors / cavity[REFLECTANCE], by_odds, drawn,
+            zero,
+        )  # fmt: skip
     return weight

@@ -35,13 +35,22 @@ from mpfcad.optics.cavity.finite import (
     panel_hit,
     wall_direction,
 )
+from mpfcad.optics.score.state import (
+    AT_LAMP,
+    AT_REFLECTOR,
+    MIRRORED,
+    draw_weighed,
+    shine,
+    shine_by,
+    weigh,
+)
 from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
 
 
 @kernel
-def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
+def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance).
 
     `lamp` is the emitter that the ray starts on, at (x, y, z), or `NO_LAMP`: it comes from above.
@@ -50,11 +59,11 @@ def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
         z = scene.parameter[0, HEIGHT]
     if len(scene.led) > 0:
         return over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng)
-    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng)
+    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng)
 
 
 @kernel
-def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
+def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     parameter = scene.parameter[0]
     finite = len(scene.lamp) > 0
@@ -73,9 +82,11 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
             luminance = parameter[LAMP_LUMINANCE] * (scene.lamp[number, FACTOR] if finite else 1.0)
             if not first <= number <= last:
                 radiance += weight * luminance
+                shine(score, weight * luminance)
             first, last = NONE_COUNTED
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
+            weigh(score, AT_LAMP, 1.0 / parameter[LAMP_REFLECTANCE])
             lamp = number
             nx = (x - centre) / parameter[LAMP_RADIUS]
             nz = (z - parameter[LAMP_HEIGHT]) / parameter[LAMP_RADIUS]
@@ -92,20 +103,28 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
                 depolarise(light)
             else:
                 weight *= parameter[REFLECTANCE]
+                weigh(score, AT_REFLECTOR, 1.0 / parameter[REFLECTANCE])
                 if not finite:
-                    share, nearest = direct_light(parameter, x, dx, dz)
+                    share, nearest, tilt = direct_light(parameter, x, dx, dz)
                     radiance += weight * share * parameter[LAMP_LUMINANCE]
+                    shine(score, weight * share * parameter[LAMP_LUMINANCE])
+                    shine_by(score, MIRRORED, weight * tilt * parameter[LAMP_LUMINANCE])
                     first, last = int(nearest) - 1, int(nearest) + 1
                 come = dx / math.sqrt(dx * dx + dz * dz)
                 mirrored, dx, dy, dz = reflector_direction(
                     parameter[SPECULAR_FRACTION], dx, dy, dz, light, rng
                 )
+                share = parameter[SPECULAR_FRACTION]
+                odds = 1.0 / share if mirrored else -1.0 / (1.0 - share)
+                draw_weighed(score, MIRRORED, odds, weight)
                 if mirrored and not finite:
                     first, last = ALL_COUNTED
                 if finite:
                     gone = dx / math.sqrt(dx * dx + dz * dz)
-                    surplus = panel_surplus(parameter, scene.lamp, x, come, gone)
+                    surplus, tilt = panel_surplus(parameter, scene.lamp, x, come, gone)
                     radiance += weight * surplus * parameter[LAMP_LUMINANCE]
+                    shine(score, weight * surplus * parameter[LAMP_LUMINANCE])
+                    shine_by(score, MIRRORED, weight * tilt * parameter[LAMP_LUMINANCE])
             flow[FLOW_ELEMENTS] += before - weight
         elif what in (WALL_ACROSS, WALL_ALONG):
             flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])
@@ -118,6 +137,7 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng):
             # The ends hold the electrodes: they reflect like the tube and do not shine.
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
+            weigh(score, AT_LAMP, 1.0 / parameter[LAMP_REFLECTANCE])
             lamp = number
             dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
             depolarise(light)

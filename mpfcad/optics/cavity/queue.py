@@ -7,7 +7,7 @@ from mpfcad.optics.cavity.endless_lanes import cavity_passages
 
 
 @kernel
-def pass_cavity_queue(scene, rays, wave, flow):
+def pass_cavity_queue(scene, rays, wave, flow, score):
     """Follow through the cavity what goes eight rays at a time; return how many rays that were.
 
     These are put first: what does not start on a lamp, under an endless row of tubes over a
@@ -21,5 +21,5 @@ def pass_cavity_queue(scene, rays, wave, flow):
             rays[count], rays[i] = rays[i], rays[count]
             count += 1
     for i in range(0, count, LANES):
-        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow)
+        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow, score)
     return count

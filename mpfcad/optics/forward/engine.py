@@ -129,10 +129,10 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
                         score_spread(meter, score, wave.path[slot], p[0], p[1], value)
                     else:
                         score_at(meter, score, terms, p[0], p[1], value)
-        pass_queue(scene, e, rays, wave, flow)
+        pass_queue(scene, e, rays, wave, flow, None)
         for i in range(waiting):
             slot = uint64(rays[i])
-            if not go_on(scene, e, slot, wave, flow):
+            if not go_on(scene, e, slot, wave, flow, None):
                 freed[free] = slot
                 free += 1
 

@@ -36,7 +36,7 @@ def trace_polarised(scene, source, seed, stream, first, light, rng, stokes, flow
             stokes[i, j] = 0.0
         while e != ENDED:
             way, x, y, dx, dy, dz, weight, found = pass_element(
-                scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, rng
+                scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, None, rng
             )
             lamp = NO_LAMP
             up = way > 0

@@ -1,0 +1,1 @@
+"""Derivatives of the light by every smooth value of a scene, from the paths of one trace."""
