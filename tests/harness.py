@@ -258,7 +258,7 @@ def pass_layers(scene, enter_below, seed, out):
             p = scene.parameter[e]
             if scene.kind[e] == SLAB:
                 way, x, y, dx, dy, dz, kept = slab_passage(
-                    scene.phase, p, up, x, y, dx, dy, dz, None, rng
+                    scene.phase, p, up, x, y, dx, dy, dz, None, None, rng
                 )
                 weight *= kept
             elif scene.kind[e] == SHEET:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 #: What takes so long to compile that one wonders, and about how long.
 _COMPILED = {
     "trace_paths": ("the tracer", "20 s"),
+    "trace_scores": ("the tracer with derivatives", "20 s"),
     "_trace_bin": ("the tracer of a film's BSDF", "15 s"),
     "trace_film": ("the search's rays through the film", "15 s"),
     "trace_world": ("the search's rays between two meetings with the film", "5 s"),

@@ -129,6 +129,49 @@ def test_a_fits_covariance_may_name_what_this_scene_does_not_use(made):
     assert "plate_scattering_per_mm" not in factors
 
 
+def test_smooth_inputs_are_told_apart_from_geometry(made):
+    from mpfcad.optics import sheet
+    from mpfcad.optics.score.columns import Columns
+
+    _, variants = made(stack={
+        "preset": "thesis-32in-mpf", "override": {"sheet_transmission": 1.0, "lamp_pitch_mm": 8.0},
+    })  # fmt: skip
+    columns = Columns.of(variants.light({}).scene)
+    found = {f.name: (f, variants.direction(f, columns)) for f in variants.factors()}
+    smooth = {name for name, (_, row) in found.items() if row is not None}
+    assert smooth == {
+        "lamp_reflectance", "reflector_reflectance", "reflector_specular_fraction",
+        "bottom_sheet_sigma", "top_sheet_sigma", "sheet_index", "sheet_transmission",
+    }  # fmt: skip
+    factor, row = found["top_sheet_sigma"]
+    moved = np.flatnonzero(row)
+    # A round lobe has two widths; the topmost element is the sheet.
+    assert columns.place[moved].tolist() == [[4, sheet.SIGMA], [4, sheet.ACROSS]]
+    assert row[moved] == pytest.approx(factor.sigma)
+    # At the end of its range, too: a sheet passes no more than all.
+    factor, row = found["sheet_transmission"]
+    assert row[row != 0] == pytest.approx([factor.sigma] * 2)
+
+
+def test_slopes_of_coefficients_are_those_of_finite_differences(made, tmp_path):
+    from mpfcad.pipeline.confidence.runs import Runs, reading_of
+
+    plan, variants = made()
+    lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
+    luminance = luminance_over_pitch(lit, TraceRun(seed=1), half_width_goal=0.02)
+    factors = [f for f in variants.factors() if f.name == "top_sheet_sigma"]
+    runs = Runs(variants, factors, reading_of(luminance), 1, 2, SILENT)
+    shape = (1, len(runs.reading.start))
+    slope, covariance = np.zeros(shape), np.zeros((*shape, shape[1]))
+    assert runs._smooth(slope, covariance, 0.6) == {0}
+    (low, spread), (high, _) = (runs.trace(np.array([z]), 18) for z in (-1.5, 1.5))
+    # Without what the common random numbers save: 2 (spread/3)².
+    error = np.sqrt(np.diag(covariance[0]) + 2 * np.diag(spread) / 9)
+    assert np.abs((slope[0] - (high - low) / 3) / error).max() < 4
+    # And it tells what one sigma does, which is more than this.
+    assert np.sqrt(covariance[0, 0, 0]) < 0.25 * abs(slope[0, 0])
+
+
 @pytest.mark.slow
 def test_confidence_is_the_same_again_at_any_number_of_threads(made, tmp_path):
     plan, _ = made(confidence={"paths_million": 0.6})

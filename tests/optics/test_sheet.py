@@ -124,7 +124,9 @@ def test_a_sheet_is_reciprocal():
         inside = 0
         spread = np.random.default_rng(1).uniform(-half, half, (count, 2))
         for kx, ky in start + spread:
-            passed, ax, ay, _ = passage(parameter, kx, ky, math.sqrt(1 - kx * kx - ky * ky), rng)
+            passed, ax, ay, _ = passage(
+                parameter, kx, ky, math.sqrt(1 - kx * kx - ky * ky), None, rng
+            )
             inside += passed and abs(ax - end[0]) < half and abs(ay - end[1]) < half
         found.append(inside)
     assert min(found) > 3000
@@ -156,5 +158,5 @@ def test_a_narrow_sheet_passes_what_its_faces_pass():
     passage, rng = compiled(kernels.sheet_passage), np.zeros(RNG_SIZE, np.uint64)
     compiled(start_path)(rng, np.uint64(6), np.uint64(0), np.uint64(0))
     parameter = row(Sheet(1e-3, 1.5, 1.0, sigma_across=2e-3, wide_sigma=3e-3, wide_share=0.5))
-    passed = np.mean([passage(parameter, 0.0, 0.0, 1.0, rng)[0] for _ in range(20_000)])
+    passed = np.mean([passage(parameter, 0.0, 0.0, 1.0, None, rng)[0] for _ in range(20_000)])
     within(passed, 0.96 / 1.04, math.sqrt(0.923 * 0.077 / 20_000), 4)

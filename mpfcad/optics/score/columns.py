@@ -52,6 +52,8 @@ class Columns(NamedTuple):
             first.append(len(place))
         if len(scene.led):
             known[: first[1]] = [False] * first[1]
+        if scene.polarised:
+            known = [False] * len(known)
         return cls(np.array(first), np.array(place).reshape(-1, 2), np.array(known, bool))
 
 

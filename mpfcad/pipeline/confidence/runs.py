@@ -1,6 +1,7 @@
 """Traces of a job with inputs changed, and what is read off each luminance over the pitch."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,19 @@ from mpfcad.confidence import (
     fit_slopes,
     shrink_each,
 )
-from mpfcad.measure import POINTS, HarmonicFit, LuminanceResult, fit_harmonics
+from mpfcad.measure import POINTS, HarmonicFit, Lit, LuminanceResult, fit_harmonics
 from mpfcad.measure.contrast.fit import basis
 from mpfcad.pipeline.confidence.variant import Variants
 from mpfcad.pipeline.progress import Progress
 
+if TYPE_CHECKING:
+    from mpfcad.optics.score.tally import SlopeTally
+    from mpfcad.optics.source import Source
+
 #: A curved input's two runs and the middle have so many times the paths of a factorial run.
 _CURVED = 6
+#: The trace that tells the smooth inputs' slopes has so much of the paths of all factorial runs.
+_SMOOTH = 0.5
 _FINE = 128
 _POSITION = np.linspace(0, 1, POINTS)
 
@@ -41,6 +48,18 @@ class Reading:
         """Return the coefficients over the mean, (m,)."""
         found = self.gain @ luminance
         return found[1:] / found[0]
+
+    def slopes(self, tally: "SlopeTally") -> tuple[NDArray, NDArray]:
+        """Return the coefficients' derivatives by v values, (v, m), and covariances (v, m, m)."""
+        mean = float((self.gain @ tally.light)[0])
+        found = self.read(tally.light)
+        # A coefficient's gain over the mean: what a point's light moves it by.
+        part = (self.gain[1:] - np.outer(found, self.gain[0])) / mean
+        slope, scale = tally.slope @ part.T, tally.slope @ self.gain[0] / mean
+        # The derivative follows the noise of the light, too, over which it is taken.
+        by_light = -slope[:, :, None] * self.gain[0] / mean - scale[:, None, None] * part
+        rows = np.stack([by_light, np.broadcast_to(part, by_light.shape)])
+        return slope, np.einsum("avip,vpab,bvjp->vij", rows, tally.covariance, rows)
 
     def spread(self, luminance: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray:
         """Return the coefficients' covariance for points with such errors, (m, m)."""
@@ -89,22 +108,67 @@ class Runs:
         self.paths = 0
 
     def respond(self, paths_million: float) -> Response:
-        """Return how the curve follows the inputs, from about so many paths in the factorial."""
-        steps = factorial_steps(len(self.factors))
-        steps = np.stack([f.within(steps[:, i]) for i, f in enumerate(self.factors)], axis=1)
-        blocks = max(2, round(paths_million * 1e6 / (len(steps) * POINTS * 512)))
-        found = []
-        for number, row in enumerate(steps, 1):
-            self.progress.stage(f"confidence: run {number} of {len(steps)} with inputs changed")
-            found.append(self.trace(row, blocks)[0])
-        slope, slope_covariance = fit_slopes(steps, np.array(found))
+        """Return how the curve follows the inputs, from about so many paths in the factorial.
+
+        Smooth ones, by which the paths of one trace tell the derivative, are in no factorial.
+        """
+        shape = (len(self.factors), len(self.reading.start))
+        slope, slope_covariance = np.zeros(shape), np.zeros((*shape, shape[1]))
+        smooth = self._smooth(slope, slope_covariance, paths_million)
+        rest = [i for i in range(len(self.factors)) if i not in smooth]
+        runs = factorial_steps(len(rest))
+        steps = np.zeros((len(runs), len(self.factors)))
+        for column, i in enumerate(rest):
+            steps[:, i] = self.factors[i].within(runs[:, column])
+        blocks = self._blocks(paths_million / len(steps))
+        if rest:
+            found = []
+            for number, row in enumerate(steps, 1):
+                self.progress.stage(f"confidence: run {number} of {len(steps)} with inputs changed")
+                found.append(self.trace(row, blocks)[0])
+            slope[rest], slope_covariance[rest] = fit_slopes(steps[:, rest], np.array(found))
         self.progress.stage("confidence: second order of the resin")
         bend, bend_covariance, _, _ = self._bends(slope.shape, _CURVED * blocks)
         return self._response(slope, slope_covariance, bend, bend_covariance)
 
+    def _smooth(
+        self, slope: NDArray[np.float64], covariance: NDArray[np.float64], paths_million: float
+    ) -> set[int]:
+        """Put the smooth inputs' slopes and covariances, and return which they are."""
+        from mpfcad.optics.score.columns import Columns
+        from mpfcad.optics.score.engine import trace_slopes
+
+        assert self.variants is not None  # of runs of other scenes there is no factorial
+        lit = self.variants.light({})
+        columns = Columns.of(lit.scene)
+        along = [self.variants.direction(factor, columns) for factor in self.factors]
+        smooth = [i for i, row in enumerate(along) if row is not None]
+        if smooth:
+            self.progress.stage("confidence: slopes by what changes no geometry")
+            tally = trace_slopes(
+                lit.scene, self._meter(lit), self._blocks(_SMOOTH * paths_million),
+                np.array([along[i] for i in smooth]), seed=self.seed, threads=self.threads,
+            )  # fmt: skip
+            self.paths += tally.paths * POINTS
+            slope[smooth], covariance[smooth] = self.reading.slopes(tally)
+        return set(smooth)
+
+    @staticmethod
+    def _blocks(paths_million: float) -> int:
+        """Return as many blocks as have about so many paths, two at least."""
+        return max(2, round(paths_million * 1e6 / (POINTS * 512)))
+
+    @staticmethod
+    def _meter(lit: Lit) -> "Source":
+        """Return the meter over a pitch."""
+        from mpfcad.optics.source import EYE, Source
+
+        position = _POSITION * lit.stack.period.across
+        return Source(EYE, position, lit.spot.width, acceptance=lit.stack.acceptance)
+
     def respond_alone(self, paths: float) -> Response:
         """Return how the curve follows the inputs, each changed alone, in runs of so many paths."""
-        blocks = max(2, round(paths / (POINTS * 512)))
+        blocks = self._blocks(paths / 1e6)
         shape = (len(self.factors), len(self.reading.start))
         bend, bend_covariance, slope, slope_covariance = self._bends(shape, blocks)
         if not self.reading.is_sharp:
@@ -172,15 +236,10 @@ class Runs:
         And their covariance (m, m).
         """
         from mpfcad.optics.engine import trace
-        from mpfcad.optics.source import EYE, Source
 
         assert self.variants is not None  # of runs of other scenes there are none
         lit = self.variants.light(dict(zip(self.factors, steps.tolist(), strict=True)))
-        stack = lit.stack
-        source = Source(
-            EYE, _POSITION * stack.period.across, lit.spot.width, acceptance=stack.acceptance
-        )
-        tally = trace(lit.scene, source, blocks, seed=self.seed, threads=self.threads)
+        tally = trace(lit.scene, self._meter(lit), blocks, seed=self.seed, threads=self.threads)
         self.paths += tally.total_paths
         spread = self.reading.spread(tally.radiance, tally.radiance_error)
         return self.reading.read(tally.radiance), spread

@@ -21,6 +21,7 @@ from mpfcad.pipeline.confidence.subject import Subject
 if TYPE_CHECKING:
     from mpfcad.optics.library.piece import Library
     from mpfcad.optics.library.top import CellTops
+    from mpfcad.optics.score.columns import Columns
     from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
@@ -34,6 +35,8 @@ _REASON = {
     DEPTH: "depth of the prisms, at equal fill",
     BASE: "thickness below the prisms",
 }
+#: A step for a derivative, in units of sigma.
+_SMALL = 1e-3
 #: Fill up to where a groove is as good as full.
 FULL = 0.999
 
@@ -124,6 +127,24 @@ class Variants:
         from mpfcad.backlight.lower import read_film
 
         return None if self._shipped is None else read_film(self._shipped)
+
+    def direction(self, factor: Factor, columns: "Columns") -> NDArray[np.float64] | None:
+        """Return how one sigma of an input moves a scene's scored values, (k,) float64.
+
+        None of what is no number of the stack, or changes more than these: geometry, an index.
+        """
+        from mpfcad.backlight.lower import lower_stack
+        from mpfcad.optics.score.columns import direction
+
+        if factor.name not in self.stack.quantity:
+            return None
+        # One-sided at the ends of what it can be.
+        low, high = (float(factor.within(np.array(z))) for z in (-_SMALL, _SMALL))
+        less, more = (
+            lower_stack(self._stack({factor.name: z * factor.sigma}), self._mesh, self.plan.offset)
+            for z in (low, high)
+        )
+        return direction(columns, less, more, high - low)
 
     def _lowered(self, stack: Stack) -> list[object]:
         """Return what the tracer would read of a stack's elements, to be compared."""
