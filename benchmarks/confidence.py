@@ -26,9 +26,9 @@ def traced_and_told(job: Path, draws: int, paths: int) -> dict:
     from mpfcad.confidence import correlation, draw_steps
     from mpfcad.job import read_job
     from mpfcad.measure import TraceRun, luminance_over_pitch
-    from mpfcad.optics.base.thread import available_threads
     from mpfcad.pipeline.confidence.find import variants_of
     from mpfcad.pipeline.confidence.runs import POINTS, Runs, reading_of
+    from mpfcad.pipeline.effort import available_threads
     from mpfcad.pipeline.plan.plan import read_plan
     from mpfcad.pipeline.progress import SILENT
     from mpfcad.pipeline.run.make import write_cad
