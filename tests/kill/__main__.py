@@ -11,6 +11,10 @@ from mpfcad.store import kernel_hash
 from .attack import COMMANDS, attack
 
 
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
 def main() -> int:
     """Kill, and print a line a command."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -26,7 +30,9 @@ def main() -> int:
         if given.only and command not in given.only.split(","):
             continue
         with tempfile.TemporaryDirectory() as folder:
-            sent, hits = attack(Path(folder), command, given.count, given.seed, given.seconds)
+            sent, hits = attack(
+                Path(folder), command, given.count, given.seed, given.seconds, _tell
+            )
         print(f"{command:<8} {sent:>4} kills, {hits:>4} before its end, none mixed", flush=True)
     return 0
 

@@ -12,7 +12,7 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -229,8 +229,18 @@ def kill_once(killed: Killed, rng: random.Random, sent: int) -> bool:
     return hit
 
 
-def attack(folder: Path, command: str, kills: int, seed: int, seconds: float = 1e9) -> list[int]:
-    """Return how many kills were sent and how many hit; two thirds SIGKILL, a third SIGINT."""
+def attack(
+    folder: Path,
+    command: str,
+    kills: int,
+    seed: int,
+    seconds: float = 1e9,
+    told: Callable[[str], None] = lambda line: None,
+) -> list[int]:
+    """Return how many kills were sent and how many hit; two thirds SIGKILL, a third SIGINT.
+
+    `told` gets a line after each: how long the command takes, kills and hits so far.
+    """
     rng = random.Random(f"kill {command} {seed}")
     with quick(folder / "cache"):
         warm(folder)
@@ -239,4 +249,5 @@ def attack(folder: Path, command: str, kills: int, seed: int, seconds: float = 1
         while sent < kills and time.monotonic() < end:
             hits += kill_once(killed, rng, signal.SIGKILL if sent % 3 else signal.SIGINT)
             sent += 1
+            told(f"{command}, {killed.seconds:.1f} s: {sent} kills, {hits} before its end")
     return [sent, hits]
