@@ -17,7 +17,10 @@ from mpfcad.store import array_hash, value_hash, work_key
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
     from mpfcad.optics.element import Element
+    from mpfcad.optics.library.piece import Library
+    from mpfcad.optics.library.top import CellTops
     from mpfcad.optics.scene import Scene
+    from mpfcad.optics.solid.mesh import FilmMesh
     from mpfcad.optics.source import Source
 
 _LEAST_PATHS = 270_000
@@ -127,10 +130,16 @@ class Lit:
         return self.stack.extent == "panel"
 
 
-def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit:
+def light_film(
+    stack: Stack,
+    mesh_path: Path | None,
+    offset: float = 0.0,
+    mesh: "FilmMesh | Library | CellTops | None" = None,
+) -> Lit:
     """Return a film mesh, read from disk, in a stack; `offset` [mm]: left edge from a lamp's axis.
 
-    `mesh_path` is None for a stack without film, that of a BSDF table in its place.
+    `mesh` is what was read of the file already, if it was. `mesh_path` is None for a stack without
+    film, that of a BSDF table in its place.
 
     Raises
     ------
@@ -141,7 +150,8 @@ def light_film(stack: Stack, mesh_path: Path | None, offset: float = 0.0) -> Lit
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.solid.mesh import FilmMesh
 
-    mesh = None if mesh_path is None else read_film(mesh_path)
+    if mesh is None and mesh_path is not None:
+        mesh = read_film(mesh_path)
     spot = meter_spot(stack, mesh if isinstance(mesh, FilmMesh) else None)
     elements = lower_stack(stack, mesh, offset)
     scene = build_scene(elements, polarised=stack.polarised)

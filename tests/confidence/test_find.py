@@ -68,6 +68,29 @@ def test_a_changed_film_has_that_much_more_resin(made):
     assert deeper.fill_fraction == pytest.approx(plan.piece.fill_fraction, rel=1e-6)
 
 
+def test_a_changed_film_is_made_once_and_few_are_kept(made, monkeypatch, tmp_path):
+    from mpfcad.pipeline.confidence import variant
+
+    _, variants = made()
+    factor = {f.name: f for f in variants.factors()}
+    monkeypatch.setattr(variant, "_FILMS", 2)
+
+    def light(**steps):
+        return variants.light({factor[name]: z for name, z in steps.items()})
+
+    first = light(resin_percent=1.0, thickness_mm=1.0)
+    again = light(resin_percent=1.0, thickness_mm=-1.0, registration_mm=1.0)
+    other = light(resin_percent=-1.0)
+    # The same film elsewhere, and another; each by what is in its file.
+    assert again.elements[3].mesh is first.elements[3].mesh is not other.elements[3].mesh
+    assert again.case["mesh"] == first.case["mesh"] != other.case["mesh"]
+    assert again.elements[3].offset == pytest.approx(first.elements[3].offset + 0.3)
+    light(depth_um=1.0)
+    assert len(list(tmp_path.glob("changed-*.stl"))) == 2
+    # What had to go is made again, the same.
+    assert light(resin_percent=1.0).case["mesh"] == first.case["mesh"]
+
+
 def test_a_film_of_cells_is_carried_without_its_making_and_that_is_said(made):
     _, variants = made(film={"cell": "pyramid"}, map={"curvature_per_mm": 60.0})
     assert [text.split(":")[0] for text in variants.left_out()] == [
@@ -90,7 +113,7 @@ def test_confidence_is_found(made, tmp_path):
     assert {row["name"] for row in found["inputs"]} == {*WIDE, "resin_percent", "registration_mm"}
     assert found["measure_next"] and found["left_out"] == []
     # Nothing is left beside the film.
-    assert not (tmp_path / "changed.stl").exists()
+    assert [path.name for path in tmp_path.glob("*.stl")] == ["film.stl"]
 
 
 def test_a_finite_panel_is_refused(made, tmp_path):

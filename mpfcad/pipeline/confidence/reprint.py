@@ -51,6 +51,6 @@ class Reprints(Variants):
         if again is None or not {RESIN, TONE} & set(change):
             return super()._film(change)
         changed = again.film(self.resin_factor(change).reshape(again.places.shape))
-        path = self.folder / "changed.stl"
+        path = self.changed_file()
         kind_of(changed, self._job.job.cad).write(path, self._job.job.name)
         return path

@@ -1,8 +1,9 @@
 """A job's scene with some inputs changed by steps of their standard uncertainty."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from mpfcad.optics.score.columns import Columns
     from mpfcad.optics.solid.mesh import FilmMesh
 
+    Mesh = FilmMesh | Library | CellTops
+
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
 RESIN, SHIFT, DEPTH, BASE = "resin_percent", "registration_mm", "depth_um", "base_um"
 #: How resin in large apertures goes against that in small ones, where the process knows it.
@@ -37,6 +40,8 @@ _REASON = {
 }
 #: A step for a derivative, in units of sigma.
 _SMALL = 1e-3
+#: Changed films that are kept: those of a factorial with resin, depth and base, twice.
+_FILMS = 16
 #: Fill up to where a groove is as good as full.
 FULL = 0.999
 
@@ -123,7 +128,7 @@ class Variants:
         return None if self.mesh is None else self.folder / self.mesh
 
     @cached_property
-    def _mesh(self) -> "FilmMesh | Library | CellTops | None":
+    def _mesh(self) -> "Mesh | None":
         from mpfcad.backlight.lower import read_film
 
         return None if self._shipped is None else read_film(self._shipped)
@@ -223,8 +228,39 @@ class Variants:
         """Return the scene with inputs changed by steps of their sigma."""
         change = {f.name: float(f.within(np.array(z))) * f.sigma for f, z in steps.items()}
         film = {name: change.pop(name) for name in _REASON if name in change}
-        mesh, shift = self._film(film), film.get(SHIFT, 0.0)
-        return light_film(self._stack(change), mesh, self.plan.offset + shift)
+        shift = film.pop(SHIFT, 0.0)
+        path, mesh = self._made(film)
+        return light_film(self._stack(change), path, self.plan.offset + shift, mesh)
+
+    def _made(self, change: Mapping[str, float]) -> tuple[Path | None, "Mesh | None"]:
+        """Return the file of a film with its making changed, and what was read of it.
+
+        Runs of a factorial share few films: the latest are kept.
+        """
+        from mpfcad.backlight.lower import read_film
+
+        films, key = self._films, tuple(sorted(change.items()))
+        if key not in films:
+            if len(films) == _FILMS:
+                path, _ = films.pop(next(iter(films)))
+                if path is not None and path != self._shipped:
+                    path.unlink()
+            path = self._film(change)
+            films[key] = path, (None if path is None else read_film(path))
+        return films[key]
+
+    @cached_property
+    def _films(self) -> dict[tuple[tuple[str, float], ...], tuple[Path | None, "Mesh | None"]]:
+        return {}
+
+    def changed_file(self) -> Path:
+        """Return where the next changed film is written."""
+        number = next(self._numbers)
+        return self.folder / f"changed-{number}.stl"
+
+    @cached_property
+    def _numbers(self) -> Iterator[int]:
+        return count()
 
     def _film(self, change: Mapping[str, float]) -> Path | None:
         """Return the mesh of the film as shipped, or of one written with its making changed."""
@@ -232,7 +268,7 @@ class Variants:
             return self._shipped
         from mpfcad.cad import write_stl
 
-        path = self.folder / "changed.stl"
+        path = self.changed_file()
         write_stl(self._changed(change), path, self.plan.angle_tolerance)
         return path
 
