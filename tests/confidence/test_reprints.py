@@ -55,7 +55,9 @@ def test_a_film_of_any_kind_is_printed_with_so_much_more_resin(tmp_path, kind):
         assert volume[0.0] == pytest.approx(trimesh.load(tmp_path / "film.stl").volume, rel=1e-5)
     # Each place gets so much more than it was printed with, over the area that it takes.
     groove, size = plan.piece.groove, plan.drawn.size
-    fill = groove.fill_fraction(variants._places) * (factor.reshape(variants._places.shape) - 1)
+    fill = groove.fill_fraction(variants._reprint.places) * (
+        factor.reshape(variants._reprint.places.shape) - 1
+    )
     more = float(np.mean(fill)) * groove.depth / 2 * size[0] * size[1]
     assert volume[1.0] - volume[0.0] == pytest.approx(more, rel=0.02)
     assert volume[0.0] - volume[-1.0] == pytest.approx(more / np.mean(factor), rel=0.1)
