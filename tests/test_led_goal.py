@@ -15,7 +15,7 @@ from mpfcad.pipeline.led.goal import GoalSearch, boards_of
 from mpfcad.pipeline.led.screen import describe_screen, find_screen, printed_tables
 from mpfcad.pipeline.led.search import LedSearch
 from mpfcad.pipeline.led.tried import Tried
-from mpfcad.report.page.led_page import range_lines
+from mpfcad.report.page.led_page import range_lines, write_led_page
 
 
 def design(tmp_path, text="", aim="thinnest", ends="min = 3.0\nmax = 6.0\nstep = 0.5\n"):
@@ -114,6 +114,38 @@ def test_a_screen_is_found_by_its_solids(tmp_path):
     assert wide is None or not describe_screen(wide)["prints"]
     neat = design(tmp_path, '[process]\nsolids_fraction = 1.0\n[mask]\nmesh = "150-31"\n')
     assert not describe_screen(find_screen(neat, file, tables, np.array([72.0, 77.0])))["prints"]
+
+
+@pytest.mark.parametrize("aim", ["thinnest", "contrast"])
+def test_the_page_of_a_design_shows_its_range(tmp_path, aim):
+    estimate = {"value": 0.01, "ci95": [0.008, 0.012], "standard_error": 0.001}
+    found = {
+        "lamp_mura_contrast": estimate, "mean_luminance_cd_m2": estimate, "paths": 1000,
+        "sigma_over_mean": estimate,
+        "cell": {"across_mm": 4.0, "along_mm": 4.0, "luminance_cd_m2": [[1.0, 1.1], [1.1, 1.0]]},
+    }  # fmt: skip
+    searched = {**estimate, "serves": True, "traces": 2}
+    boards = [
+        {"value": 4.0, "model_least": 0.01, "searched": searched},
+        {"value": 3.0, "model_least": None, "searched": {**searched, "serves": False}},
+    ]
+    ranged = {
+        "aim": "thinnest", "of": "thickness", "unit": "mm", "contrast_target": 0.018,
+        "chosen": 4.0, "serves": True, "boards": boards,
+    }  # fmt: skip
+    least = {"lamp_mura_contrast": 0.002}
+    record = {
+        "name": "d", "screen": "phototool only", "found": found, "bears": [], "mould": least,
+        "optical_distance_mm": 5.0, "height_over_pitch": 0.4, "model_least": least,
+        "printing": describe_screen(None), "range": ranged if aim == "thinnest" else None,
+        "tried": [{"series_per_mm": [[70.0, 1.0]], "lamp_mura_contrast": estimate, "paths": 9}],
+        "design": {"goal": {"contrast_target": 0.018}},
+    }  # fmt: skip
+    write_led_page(tmp_path / "design.html", record, [])
+    text = (tmp_path / "design.html").read_text()
+    assert "no mesh and solids fraction" in text
+    line = "thinnest that serves contrast 0.018 in the search: thickness 4 mm; 3 mm does not"
+    assert (line in text) == (aim == "thinnest")
 
 
 @pytest.mark.slow

@@ -35,7 +35,7 @@ def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> No
         films=[_film(film, number) for number, film in enumerate(films, 1)],
         bears=[_borne(one) for one in record["bears"]],
         tried=[_tried(one) for one in record["tried"]],
-        range=range_lines(record["range"]),
+        lines=range_lines(record["range"]),
         boards=[_board(one) for one in (record["range"] or {"boards": []})["boards"]],
     )
     path.write_bytes(page.encode())
