@@ -207,7 +207,7 @@ def readers() -> list[Reader]:
                                                     "tests/cli/corpus/process*.toml")),
         Reader("map", ".csv", _map, _files("masks/*.csv")),
         Reader("npz", ".npz", _field, (*_npz(), *_files("tests/cli/corpus/*.npz"))),
-        Reader("stylus", ".csv", _stylus, (_TRACE.encode(),)),
+        Reader("stylus", ".csv", _stylus, (_TRACE.encode(),), costly=True),
         Reader("bsdf-xml", ".xml", _bsdf, _files("tests/optics/case/*.xml")),
         Reader("bsdf-zemax", ".bsdf", _bsdf, _files("tests/optics/case/*.bsdf",
                                                     "tests/cli/corpus/*.bsdf")),
