@@ -226,7 +226,7 @@ def pillar_mesh() -> FilmMesh:
 
 def single_paths(scene, source, seed, first, out, flow):
     """Put the radiance of paths first, first+1 … into out; add their flows to flow (f,)."""
-    wave = Wave.empty(len(scene.kind))
+    wave = Wave.empty(len(scene.kind), len(source.position))
     trace_paths(
         scene, source, np.uint64(seed), np.uint64(source.kind), np.uint64(first), wave, out, flow,
         NO_NET,

@@ -18,6 +18,7 @@ from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOWS, Tally
 from mpfcad.optics.base.sampling import start_net_path
+from mpfcad.optics.base.sampling_lanes import net_keys
 from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.caught import NO_NET, catch
 from mpfcad.optics.cavity.endless import NO_LAMP
@@ -89,7 +90,7 @@ def _refill(scene, source, seed, stream, first, started, slots, count, wave, sco
 
 @kernel
 def pass_queue(scene, e, rays, wave, flow, score):
-    """Follow the rays that wait before element e through it, the first ones eight at a time."""
+    """Follow the rays that wait before element e through it, the first ones in lanes."""
     eight = 0
     if scene.kind[e] == FILM:
         tile = tile_of(scene.tiles, int(scene.parameter[e, TILE]))
@@ -124,7 +125,7 @@ def _pass_one_by_one(scene, e, rays, wave, flow, score):
 
 @kernel
 def _pass_film(tile, film, rays, wave):
-    """Follow rays, eight at a time, through a film as it lies in the stack."""
+    """Follow rays in lanes through a film as it lies in the stack."""
     placed = film[COSINE] != 1.0 or film[FLIPPED] != 0.0
     if placed:
         for slot in rays:
@@ -141,12 +142,12 @@ def _pass_film(tile, film, rays, wave):
     elif tile.accelerator == SECTION:
         section_passages(
             tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
+            rays, wave.place, wave.way, wave.rng, wave.lane_row, wave.waiting,
         )  # fmt: skip
     else:
         film_passages(
             tile, film[INDEX], film[INDEX_BELOW], film[OFFSET],
-            rays, wave.place, wave.way, wave.rng, wave.lane_place, wave.lane_rng, wave.lane_ray,
+            rays, wave.place, wave.way, wave.rng, wave.lane_row, wave.waiting,
         )  # fmt: skip
     if placed:
         for slot in rays:
@@ -177,6 +178,8 @@ def go_on(scene, e, slot, wave, flow, score):
 def follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, score):
     """Follow paths `first` and on as `trace_paths` does; `score` gets their scores, or is None."""
     started, caught = 0, 0
+    if source.kind != LAMPS:
+        net_keys(seed, stream, first, uint64(len(source.position)), wave.net_key)
     freed = wave.freed
     free = min(len(freed), len(radiance))
     for slot in range(free):
@@ -255,7 +258,7 @@ def trace(
         try:
             wave, radiance = scratch.pop()
         except IndexError:
-            wave, radiance = Wave.empty(len(scene.kind)), np.empty((BLOCK, points))
+            wave, radiance = Wave.empty(len(scene.kind), points), np.empty((BLOCK, points))
         flow = np.zeros(flows)
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),

@@ -1,7 +1,7 @@
 """What a wave of paths under way consists of: a slot for each, and a queue before each element.
 
 Paths are not followed one after the other but a queue at a time, so that the many rays that stand
-before the same film can go through it eight at a time. A path's random numbers are its own, so the
+before the same film can go through it in lanes. A path's random numbers are its own, so the
 order does not change it.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.base.lanes import LANES
+from mpfcad.optics.base.lanes import LANES, WIDE
 from mpfcad.optics.base.lanes_array import aligned
 from mpfcad.optics.base.sampling import RNG_SIZE
 from mpfcad.optics.film.chain_lanes import PLACE_SIZE
@@ -26,21 +26,26 @@ class Wave(NamedTuple):
     Attributes
     ----------
     place
-        (s, 8) float64, x, y, z [mm] and direction; two that are free
+        (s+1, 8) float64, x, y, z [mm] and direction; two that are free. The last row is that of
+        lanes without a ray
     weight, radiance
-        (s,) float64
+        (s+1,), (s,) float64
     upward, way
-        (s,) int64, whether the ray goes up (0, 1); 1, -1, 0 after an element
+        (s,), (s+1,) int64, whether the ray goes up (0, 1); 1, -1, 0 after an element
     lamp, path
         (s,) int64, the lamp that the path starts on; its number in the block
     rng
-        (s, 8) uint64, generators
+        (s+1, 8) uint64, generators
     queue, length
         (e, s) int64, slots that wait before each element; (e,) int64, how many
     batch, freed
         (s,) int64, scratch: the slots of one queue; those whose paths have ended
-    lane_place, lane_rng, lane_flow, lane_ray, lane_weight
-        (8, 8), (8, 8), (8, 8), (1, 8), (1, 8), scratch of eight rays
+    waiting
+        (48,) int64, scratch: rays that are to come into a film's lanes
+    lane_row, lane_flow
+        (16,) int64, (16, 8) float64, scratch of the rays in lanes
+    net_key
+        (n, 8) int64, the keys of the points' nets, and round again
     """
 
     place: NDArray[np.float64]
@@ -55,15 +60,14 @@ class Wave(NamedTuple):
     length: NDArray[np.int64]
     batch: NDArray[np.int64]
     freed: NDArray[np.int64]
-    lane_place: NDArray[np.float64]
-    lane_rng: NDArray[np.uint64]
+    waiting: NDArray[np.int64]
+    lane_row: NDArray[np.int64]
     lane_flow: NDArray[np.float64]
-    lane_ray: NDArray[np.int64]
-    lane_weight: NDArray[np.float64]
+    net_key: NDArray[np.int64]
 
     @classmethod
-    def empty(cls, elements: int) -> "Wave":
-        """Return the scratch of a wave through a number of elements."""
+    def empty(cls, elements: int, points: int = 0) -> "Wave":
+        """Return the scratch of a wave of paths from some points through a number of elements."""
 
         def real(*shape: int) -> NDArray[np.float64]:
             return aligned(shape, np.float64)
@@ -72,12 +76,12 @@ class Wave(NamedTuple):
             return aligned(shape, np.int64)
 
         return cls(
-            real(SLOTS, PLACE_SIZE), real(SLOTS), real(SLOTS),
-            whole(SLOTS), whole(SLOTS), whole(SLOTS), whole(SLOTS),
-            aligned((SLOTS, RNG_SIZE), np.uint64),
+            real(SLOTS + 1, PLACE_SIZE), real(SLOTS + 1), real(SLOTS),
+            whole(SLOTS), whole(SLOTS + 1), whole(SLOTS), whole(SLOTS),
+            aligned((SLOTS + 1, RNG_SIZE), np.uint64),
             whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
-            real(LANES, PLACE_SIZE), aligned((LANES, RNG_SIZE), np.uint64),
-            real(LANES, LANES), whole(1, LANES), real(1, LANES),
+            whole(2 * (LANES + WIDE)), whole(WIDE), real(WIDE, 8),
+            whole(-(-points // LANES) + 1 if points else 0, LANES),
         )  # fmt: skip
 
 

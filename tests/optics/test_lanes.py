@@ -42,6 +42,7 @@ from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
+from mpfcad.optics.wave import Wave
 
 
 @njit(error_model="numpy", _nrt=False)
@@ -78,6 +79,41 @@ def test_operations_are_those_of_plain_numbers():
     assert (out[5] == ((place << 3) ^ 5) + np.copysign(x, y - 0.5)).all()
 
 
+@njit(error_model="numpy", _nrt=False)
+def _wide(index, values, whole, out, half, numbers):
+    row = lanes_array.load_wide(index, 0)
+    a, b, c, d, e, f, g, h = lanes_array.gather_line(values, row)
+    p, q, r, s = lanes_array.gather_half(values, row)
+    reflectance, cosine = fresnel(a, 0.5 + b)
+    low = a < lanes.select(b < 0.5, c, 2.0)
+    lanes_array.scatter_line(out, row, reflectance, cosine, e, f, -g, h / 3.0, p + q, lanes.root(d))
+    lanes_array.scatter_half(half, row, p, q, lanes.select(low, r, s), lanes.copy_sign(s, a - b))
+    filled = lanes_array.expand(whole, 2, low, row)
+    lanes_array.put(numbers, row, filled)
+    return lanes.bits(low), lanes.count_of(low), lanes.any_of(low)
+
+
+def test_sixteen_lanes_are_as_many_plain_numbers():
+    rng = np.random.default_rng(2)
+    index, values = rng.permutation(20)[:16], rng.random((20, 8))
+    out, half = np.zeros((2, 20, 8))
+    numbers, whole = np.zeros(20, np.int64), 100 + np.arange(30)
+    mask, count, some = _wide(index, values, whole, out, half, numbers)
+    a, b, c, d, e, f, g, h = values[index].T
+    low = a < np.where(b < 0.5, c, 2.0)
+    expected = [*np.array([_single(*ab) for ab in zip(a, b, strict=True)]).T, e, f]
+    expected += [-g, h / 3, e + f, np.sqrt(d)]
+    assert (out[index] == np.array(expected).T).all()
+    assert ([e, f, np.where(low, g, h), np.copysign(h, a - b)] == half[index, 4:].T).all()
+    assert (half[:, :4] == 0).all()
+    assert (np.delete(out, index, axis=0) == 0).all()
+    assert (np.delete(half, index, axis=0) == 0).all()
+    assert (mask, count, some) == (int(np.sum(low << np.arange(16))), low.sum(), True)
+    filled = index.copy()
+    filled[low] = whole[2 : 2 + low.sum()]
+    assert (numbers[index] == filled).all()
+
+
 @njit(error_model="numpy")
 def _starts(rng, seed):
     for i in range(len(rng)):
@@ -92,11 +128,18 @@ def any_rays(mesh, count, up):
     start[:, :2] = random[:, :2] * mesh.size[:2]
     start[:, 2], start[:, 3] = k * np.cos(angle), k * np.sin(angle)
     start[:, 4] = np.sqrt(1 - k * k) * (1 if up else -1)
-    place = np.zeros((count, PLACE_SIZE))
-    place[:, :2], place[:, 3:6] = start[:, :2], start[:, 2:]
-    rng = np.zeros((count, RNG_SIZE), np.uint64)
+    # The last row is that of lanes without a ray.
+    place = np.zeros((count + 1, PLACE_SIZE))
+    place[:-1, :2], place[:-1, 3:6] = start[:, :2], start[:, 2:]
+    rng = np.zeros((count + 1, RNG_SIZE), np.uint64)
     _starts(rng, 3)
-    return start, place, rng, np.zeros(count, np.int64)
+    return start, place, rng, np.zeros(count + 1, np.int64)
+
+
+def _scratch():
+    """Return the scratch of a wave that a film's passages need."""
+    wave = Wave.empty(1)
+    return wave.lane_row, wave.waiting
 
 
 @pytest.mark.parametrize("up", [True, False])
@@ -107,14 +150,10 @@ def test_rays_through_a_film_are_the_same_alone_and_eight_at_a_time(tmp_path, up
     start, place, rng, way = any_rays(mesh, count, up)
     alone = np.empty((count, 4))
     pass_film(build_tile_table([tile]), 1.5, up, start, 3, alone)
-    compiled(film_passages)(
-        tile, 1.5, 1.0, 0.0, np.arange(count), place, way, rng,
-        np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
-        np.zeros((1, lanes.LANES), np.int64),
-    )  # fmt: skip
-    assert (way == alone[:, 0]).all()
+    compiled(film_passages)(tile, 1.5, 1.0, 0.0, np.arange(count), place, way, rng, *_scratch())
+    assert (way[:-1] == alone[:, 0]).all()
     # The underside turns a ray by one formula alone and by that of all facets in the lanes.
-    assert np.abs(place[:, 3:6] - alone[:, 1:]).max() < 1e-9
+    assert np.abs(place[:-1, 3:6] - alone[:, 1:]).max() < 1e-9
 
 
 @functools.cache
@@ -128,11 +167,9 @@ def eight_at_a_time(mesh, place, rng, up):
     assert len(tile.layers.part)
     way = np.zeros(len(place), np.int64)
     _section_passages()(
-        tile, 1.5, 1.0, 0.0, np.arange(len(place)), place, way, rng,
-        np.zeros((lanes.LANES, PLACE_SIZE)), np.zeros((lanes.LANES, RNG_SIZE), np.uint64),
-        np.zeros((1, lanes.LANES), np.int64),
-    )  # fmt: skip
-    return way, place[:, 3:6]
+        tile, 1.5, 1.0, 0.0, np.arange(len(place) - 1), place, way, rng, *_scratch()
+    )
+    return way[:-1], place[:-1, 3:6]
 
 
 SOLIDS = {
@@ -169,7 +206,7 @@ def test_no_ray_aimed_at_a_vertex_of_a_section_is_lost_among_eight(tmp_path, nam
     mesh = solid_mesh(tmp_path, name)
     start = np.concatenate([edge_rays(mesh, up), aimed(mesh, up)])
     _, place, rng, _ = any_rays(mesh, len(start), up)
-    place[:, :2], place[:, 3:6] = start[:, :2], start[:, 2:]
+    place[:-1, :2], place[:-1, 3:6] = start[:, :2], start[:, 2:]
     way, direction = eight_at_a_time(mesh, place, rng, up)
     assert (way != 0).all(), start[way == 0][0]
     assert np.abs((direction**2).sum(axis=1) - 1).max() < 1e-9

@@ -10,8 +10,10 @@ from harness import within
 from numba import njit, uint64
 from oracle.ray import Philox
 
+from mpfcad.optics.base.lanes_array import load_from, scatter_line, store
 from mpfcad.optics.base.net import DIMENSIONS, NET, direction_numbers
 from mpfcad.optics.base.sampling import RNG_SIZE, start_net_path, uniform
+from mpfcad.optics.base.sampling_lanes import net_keys, next_one, start_net_paths, take_one
 
 
 @njit
@@ -46,6 +48,37 @@ def test_kernel_and_oracle_draw_the_same_numbers(seed, path, points):
     for p, row in enumerate(draws(5, seed=seed, first=path, points=points)):
         oracle = Philox(seed, 0, path + p, points)
         assert [oracle() for _ in row] == row.tolist()
+
+
+@njit(error_model="numpy", _nrt=False)
+def _eight(seed, first, path, points, keys, rows, rng, out):
+    """Draw numbers of eight paths from `path` on; keys (n, 8) become those of path `first`."""
+    seed, stream, points = uint64(seed), uint64(0), uint64(points)
+    net_keys(seed, stream, uint64(first), points, keys)
+    row = load_from(rows, 0)
+    key0, key1, path0, path1, stream, draw, spare, _ = start_net_paths(
+        seed, stream, uint64(first), uint64(path), points, keys
+    )
+    scatter_line(rng, row, key0, key1, path0, path1, stream, draw, spare, row ^ row)
+    has, every = row < 0, row >= 0
+    for d in range(len(out)):
+        number, aft = next_one(rng, row, stream, draw, spare, has, every)
+        draw, spare, has = take_one(draw, spare, has, aft, every)
+        store(out, d, number)
+
+
+@pytest.mark.parametrize(
+    ("first", "path", "points"),
+    [(0, 0, 32), (0, 512 * 32 - 8, 32), (0, 512 * 32, 32), (33 * 512, 33 * 1024 - 3, 33),
+     (0, 511, 1), (512, 1023, 1), (0, 1530, 3), (2**33 * 512 * 5, 2**33 * 512 * 5 + 777, 5)],
+)  # fmt: skip
+def test_eight_paths_draw_what_each_of_them_draws_alone(first, path, points):
+    # Also where some of them are of the next net, whose keys are not those kept.
+    keys = np.zeros((-(-points // 8) + 1, 8), np.int64)
+    out, rng = np.empty((DIMENSIONS + 6, 8)), np.zeros((8, RNG_SIZE), np.uint64)
+    _eight(7, first, path, points, keys, np.arange(8), rng, out)
+    alone = draws(8, DIMENSIONS + 6, seed=7, first=path, points=points)
+    assert np.array_equal(out.T, alone)
 
 
 @pytest.mark.parametrize("points", [1, 3])

@@ -1,10 +1,11 @@
-"""Eight paths at once: explicit vector types for kernels.
+"""Eight paths at once, or sixteen: explicit vector types for kernels.
 
-`F8`, `I8` and `M8` are LLVM's <8 x double>, <8 x i64> and <8 x i1>. LLVM cuts them to what the
-processor has (one AVX-512 register, two of AVX, four of SSE or NEON), and every operation is that
-of IEEE 754 in each lane: the bits are the same on all of them, and those of the same formula on
-plain numbers. `select`, `any_of`, `root`, `floor` take plain numbers as well, so one kernel source
-serves a single path and eight.
+`F8`, `I8` and `M8` are LLVM's <8 x double>, <8 x i64> and <8 x i1>; `FLOATS`, `WHOLES` and `MASKS`
+have those of sixteen as well. LLVM cuts them to what the processor has (one AVX-512 register, two
+of AVX, four of SSE or NEON, for eight), and every operation is that of IEEE 754 in each lane: the
+bits are the same on all of them, and those of the same formula on plain numbers. `select`,
+`any_of`, `root`, `floor` take plain numbers as well, so one kernel source serves a single path,
+eight and sixteen.
 """
 
 import operator
@@ -16,20 +17,29 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
 LANES = 8
+#: Two vectors of eight: the processor works on one while the other waits for a division.
+WIDE = 16
 I32 = ir.IntType(32)
 
 
 class Lanes(types.Type):
-    """The numba type of eight values in one vector."""
+    """The numba type of eight or sixteen values in a vector."""
 
-    def __init__(self, name: str, element: ir.Type) -> None:
-        self.vector = ir.VectorType(element, LANES)
-        super().__init__(name)
+    def __init__(self, letter: str, element: ir.Type, count: int) -> None:
+        self.count = count
+        self.vector = ir.VectorType(element, count)
+        super().__init__(f"{letter}{count}")
 
 
-F8 = Lanes("F8", ir.DoubleType())
-I8 = Lanes("I8", ir.IntType(64))
-M8 = Lanes("M8", ir.IntType(1))
+def _kinds(letter: str, element: ir.Type) -> dict[int, Lanes]:
+    return {count: Lanes(letter, element, count) for count in (LANES, WIDE)}
+
+
+#: Kinds of lanes by their count.
+FLOATS = _kinds("F", ir.DoubleType())
+WHOLES = _kinds("I", ir.IntType(64))
+MASKS = _kinds("M", ir.IntType(1))
+F8, I8, M8 = FLOATS[LANES], WHOLES[LANES], MASKS[LANES]
 
 
 @register_model(Lanes)
@@ -42,11 +52,17 @@ def _splat(builder, value, kind: Lanes):
     """Return the vector of one value in all lanes."""
     vector = ir.Constant(kind.vector, ir.Undefined)
     vector = builder.insert_element(vector, value, ir.Constant(I32, 0))
-    mask = ir.Constant(ir.VectorType(I32, LANES), [0] * LANES)
+    mask = ir.Constant(ir.VectorType(I32, kind.count), [0] * kind.count)
     return builder.shuffle_vector(vector, ir.Constant(kind.vector, ir.Undefined), mask)
 
 
-_SCALAR = {F8: types.float64, I8: types.int64, M8: types.boolean}
+_SCALAR = {
+    kind: scalar
+    for kinds, scalar in (
+        (FLOATS, types.float64), (WHOLES, types.int64), (MASKS, types.boolean),
+    )
+    for kind in kinds.values()
+}  # fmt: skip
 
 
 def _as_lanes(context, builder, value, given, kind: Lanes):
@@ -57,8 +73,13 @@ def _as_lanes(context, builder, value, given, kind: Lanes):
     return _splat(builder, value, kind)
 
 
-def _register(function, kind: Lanes, result: Lanes, emit) -> None:
+def _register(function, kinds: dict[int, Lanes], results: dict[int, Lanes], emit) -> None:
     """Make an operator work on lanes, or on lanes and a number."""
+    for count, kind in kinds.items():
+        _register_pairs(function, kind, results[count], emit)
+
+
+def _register_pairs(function, kind: Lanes, result: Lanes, emit) -> None:
     scalar = _SCALAR[kind]
     pairs = ((kind, kind), (kind, scalar), (scalar, kind))
 
@@ -77,34 +98,35 @@ def _register(function, kind: Lanes, result: Lanes, emit) -> None:
         lower_builtin(function, *pair)(lower)
 
 
-def _register_unary(function, kind: Lanes, emit) -> None:
+def _register_unary(function, kinds: dict[int, Lanes], emit) -> None:
     class Template(ConcreteTemplate):
-        cases: ClassVar = [signature(kind, kind)]
+        cases: ClassVar = [signature(kind, kind) for kind in kinds.values()]
 
     infer_global(function)(Template)
-    lower_builtin(function, kind)(lambda context, builder, sig, args: emit(builder, args[0]))
+    for kind in kinds.values():
+        lower_builtin(function, kind)(lambda context, builder, sig, args: emit(builder, args[0]))
 
 
 _B = ir.IRBuilder
 for _op, _emit in {
     operator.add: _B.fadd, operator.sub: _B.fsub, operator.mul: _B.fmul, operator.truediv: _B.fdiv,
 }.items():  # fmt: skip
-    _register(_op, F8, F8, _emit)
+    _register(_op, FLOATS, FLOATS, _emit)
 for _op, _emit in {
     operator.add: _B.add, operator.sub: _B.sub, operator.mul: _B.mul, operator.and_: _B.and_,
     operator.xor: _B.xor, operator.or_: _B.or_, operator.rshift: _B.lshr, operator.lshift: _B.shl,
 }.items():  # fmt: skip
-    _register(_op, I8, I8, _emit)
+    _register(_op, WHOLES, WHOLES, _emit)
 for _op, _emit in {operator.and_: _B.and_, operator.or_: _B.or_, operator.xor: _B.xor}.items():
-    _register(_op, M8, M8, _emit)
+    _register(_op, MASKS, MASKS, _emit)
 for _op, _sign in {
     operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "==",
 }.items():  # fmt: skip
-    _register(_op, F8, M8, lambda b, x, y, sign=_sign: b.fcmp_ordered(sign, x, y))
-    _register(_op, I8, M8, lambda b, x, y, sign=_sign: b.icmp_signed(sign, x, y))
-_register(operator.ne, I8, M8, lambda b, x, y: b.icmp_signed("!=", x, y))
-_register_unary(operator.neg, F8, lambda b, x: b.fneg(x))
-_register_unary(operator.invert, M8, lambda b, x: b.not_(x))
+    _register(_op, FLOATS, MASKS, lambda b, x, y, sign=_sign: b.fcmp_ordered(sign, x, y))
+    _register(_op, WHOLES, MASKS, lambda b, x, y, sign=_sign: b.icmp_signed(sign, x, y))
+_register(operator.ne, WHOLES, MASKS, lambda b, x, y: b.icmp_signed("!=", x, y))
+_register_unary(operator.neg, FLOATS, lambda b, x: b.fneg(x))
+_register_unary(operator.invert, MASKS, lambda b, x: b.not_(x))
 
 
 def _call(builder, name: str, result, arguments):
@@ -113,16 +135,15 @@ def _call(builder, name: str, result, arguments):
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), arguments)
 
 
-def _of_llvm(name: str, lanes: Lanes, scalar: types.Type):
-    """Return a function of LLVM, exact or correctly rounded, for a number or eight."""
-    letter = "f" if lanes == F8 else "i"
+def _of_llvm(name: str, letter: str, scalar: types.Type):
+    """Return a function of LLVM, exact or correctly rounded, for a number or lanes."""
 
     @intrinsic
     def function(typingctx, x):
-        kind = lanes if x == lanes else scalar
+        kind = x if isinstance(x, Lanes) else scalar
 
         def lower(context, builder, sig, args):
-            many = "v8" if kind == lanes else ""
+            many = f"v{kind.count}" if isinstance(kind, Lanes) else ""
             return _call(builder, f"llvm.{name}.{many}{letter}64", args[0].type, [args[0]])
 
         return kind(kind), lower
@@ -130,19 +151,20 @@ def _of_llvm(name: str, lanes: Lanes, scalar: types.Type):
     return function
 
 
-root = _of_llvm("sqrt", F8, types.float64)
-floor = _of_llvm("floor", F8, types.float64)
-magnitude = _of_llvm("fabs", F8, types.float64)
+root = _of_llvm("sqrt", "f", types.float64)
+floor = _of_llvm("floor", "f", types.float64)
+magnitude = _of_llvm("fabs", "f", types.float64)
 #: The 64 bits of a whole number in reverse order.
-reversed_bits = _of_llvm("bitreverse", I8, types.uint64)
+reversed_bits = _of_llvm("bitreverse", "i", types.uint64)
 
 
 @intrinsic
 def select(typingctx, mask, a, b):
     """Return a where the mask holds, else b: lane by lane, or of plain numbers."""
     kind: Any = next((t for t in (a, b) if isinstance(t, Lanes)), None)
-    if mask == M8 and kind is None:
-        kind = {types.Float: F8, types.Boolean: M8}.get(type(typingctx.unify_types(a, b)), I8)
+    if isinstance(mask, Lanes) and kind is None:
+        kinds = {types.Float: FLOATS, types.Boolean: MASKS}
+        kind = kinds.get(type(typingctx.unify_types(a, b)), WHOLES)[mask.count]
     if kind is None:
         kind = typingctx.unify_types(a, b)
         kind = kind if isinstance(kind, types.Float | types.Boolean) else types.int64
@@ -159,30 +181,42 @@ def select(typingctx, mask, a, b):
     return kind(mask, a, b), lower
 
 
-@intrinsic
-def spread(typingctx, x):
-    """Return a number in all lanes."""
-    kind = F8 if isinstance(x, types.Float) else I8
+def _spread(count: int):
+    @intrinsic
+    def function(typingctx, x):
+        kind = (FLOATS if isinstance(x, types.Float) else WHOLES)[count]
 
-    def lower(context, builder, sig, args):
-        return _as_lanes(context, builder, args[0], x, kind)
+        def lower(context, builder, sig, args):
+            return _as_lanes(context, builder, args[0], x, kind)
 
-    return kind(x), lower
+        return kind(x), lower
+
+    return function
+
+
+#: A number in all of eight lanes, or of sixteen.
+spread, spread_wide = _spread(LANES), _spread(WIDE)
 
 
 @intrinsic
 def copy_sign(typingctx, size, sign):
     """Return |size| with the sign of the other."""
-    kind = F8 if F8 in (size, sign) else types.float64
-    name = f"llvm.copysign.{'v8f64' if kind == F8 else 'f64'}"
+    lanes = next((t for t in (size, sign) if isinstance(t, Lanes)), None)
+    kind: Any = lanes or types.float64
+    name = f"llvm.copysign.{f'v{lanes.count}' if lanes else ''}f64"
 
     def lower(context, builder, sig, args):
-        if kind == F8:
+        if lanes:
             pair = zip(args, sig.args, strict=True)
-            args = [_as_lanes(context, builder, v, t, F8) for v, t in pair]
+            args = [_as_lanes(context, builder, v, t, lanes) for v, t in pair]
         return _call(builder, name, args[0].type, args)
 
     return kind(size, sign), lower
+
+
+def _packed(builder, value, mask: Lanes):
+    """Return a mask as a whole number of as many bits."""
+    return builder.bitcast(value, ir.IntType(mask.count))
 
 
 @intrinsic
@@ -190,9 +224,9 @@ def bits(typingctx, mask):
     """Return the mask as a whole number, lane i in bit i."""
 
     def lower(context, builder, sig, args):
-        if mask != M8:
+        if not isinstance(mask, Lanes):
             return builder.zext(context.cast(builder, args[0], mask, types.boolean), ir.IntType(64))
-        return builder.zext(builder.bitcast(args[0], ir.IntType(LANES)), ir.IntType(64))
+        return builder.zext(_packed(builder, args[0], mask), ir.IntType(64))
 
     return types.int64(mask), lower
 
@@ -202,8 +236,7 @@ def count_of(typingctx, mask):
     """Return in how many lanes the mask holds."""
 
     def lower(context, builder, sig, args):
-        packed = builder.bitcast(args[0], ir.IntType(LANES))
-        return builder.zext(builder.ctpop(packed), ir.IntType(64))
+        return builder.zext(builder.ctpop(_packed(builder, args[0], mask)), ir.IntType(64))
 
     return types.int64(mask), lower
 
@@ -223,22 +256,23 @@ def any_of(typingctx, mask):
     """Return whether the mask holds in any lane."""
 
     def lower(context, builder, sig, args):
-        if mask != M8:
+        if not isinstance(mask, Lanes):
             return args[0]
-        packed = builder.bitcast(args[0], ir.IntType(LANES))
+        packed = _packed(builder, args[0], mask)
         return builder.icmp_unsigned("!=", packed, packed.type(0))
 
     return types.boolean(mask), lower
 
 
-def _convert(emit, source: Lanes, result: Lanes):
+def _convert(emit, sources: dict[int, Lanes], results: dict[int, Lanes]):
     @intrinsic
     def function(typingctx, x):
-        kind = result if x == source else _SCALAR[result]
+        lanes = results[x.count] if x in sources.values() else None
+        kind: Any = lanes or _SCALAR[results[LANES]]
 
         def lower(context, builder, sig, args):
-            if x == source:
-                return emit(builder, args[0], result.vector)
+            if lanes:
+                return emit(builder, args[0], lanes.vector)
             return context.cast(builder, args[0], x, kind)
 
         return kind(x), lower
@@ -247,5 +281,5 @@ def _convert(emit, source: Lanes, result: Lanes):
 
 
 #: Toward zero; the value must fit.
-whole = _convert(_B.fptosi, F8, I8)
-real = _convert(_B.sitofp, I8, F8)
+whole = _convert(_B.fptosi, FLOATS, WHOLES)
+real = _convert(_B.sitofp, WHOLES, FLOATS)

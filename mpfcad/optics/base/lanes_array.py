@@ -1,6 +1,7 @@
 """Eight paths at once: lanes out of arrays and back, and small arrays on a kernel's own stack.
 
-`gather`, `gather_row` and `gather_line` take a plain index as well as eight.
+`gather`, `gather_row` and `gather_line` take a plain index as well as eight. A *line* is a row of
+eight columns, a *half* the last four of them.
 """
 
 import numpy as np
@@ -11,7 +12,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 from numpy.typing import DTypeLike, NDArray
 
-from mpfcad.optics.base.lanes import F8, I8, I32, LANES
+from mpfcad.optics.base.lanes import F8, FLOATS, I8, I32, LANES, WHOLES, WIDE, Lanes
 
 _CACHE_LINE = 64
 
@@ -28,20 +29,30 @@ def aligned(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray:
     return raw[start : start + size].view(dtype).reshape(shape)
 
 
+def _kind(array, index):
+    """Return the kind of an array's entries at an index: a number, or lanes."""
+    if not isinstance(index, Lanes):
+        return array.dtype
+    return (FLOATS if isinstance(array.dtype, types.Float) else WHOLES)[index.count]
+
+
+def _places(builder, index):
+    """Return the whole numbers in lanes."""
+    return [builder.extract_element(index, ir.Constant(I32, i)) for i in range(index.type.count)]
+
+
 @intrinsic
 def gather(typingctx, array, index):
     """Return array[index], (n,) contiguous, for an index or eight of them."""
-    kind = F8 if isinstance(array.dtype, types.Float) else I8
-    result = kind if index == I8 else array.dtype
+    result = _kind(array, index)
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        if index != I8:
+        if not isinstance(index, Lanes):
             place = context.cast(builder, args[1], index, types.int64)
             return builder.load(builder.gep(data, [place]))
-        vector = ir.Constant(kind.vector, ir.Undefined)
-        for i in range(LANES):
-            place = builder.extract_element(args[1], ir.Constant(I32, i))
+        vector = ir.Constant(result.vector, ir.Undefined)
+        for i, place in enumerate(_places(builder, args[1])):
             value = builder.load(builder.gep(data, [place]))
             vector = builder.insert_element(vector, value, ir.Constant(I32, i))
         return vector
@@ -92,65 +103,165 @@ def _transposed(builder, rows):
     return rows
 
 
-def _row(builder, data, place, element, columns):
-    """Return row number `place` of an array of so many columns, as a vector."""
+def _row(builder, data, place, element, columns, width, first=0):
+    """Return columns of row number `place` of an array of a width, as a vector."""
     kind = ir.VectorType(element, columns)
-    place = builder.mul(place, ir.Constant(place.type, columns))
+    place = builder.add(builder.mul(place, place.type(width)), place.type(first))
     loaded = builder.load(builder.bitcast(builder.gep(data, [place]), kind.as_pointer()))
     loaded.align = 8
     return loaded
 
 
-@intrinsic
-def gather_line(typingctx, array, index):
-    """Return the eight columns of array[index], (n, 8) contiguous, as a tuple.
+def _eights(builder, turned, rows):
+    """Return the columns of rows, of which eight at a time are turned into columns."""
+    parts = [turned(builder, rows[i : i + LANES]) for i in range(0, len(rows), LANES)]
+    if len(parts) == 1:
+        return parts[0]
+    both = list(range(2 * LANES))
+    return [_shuffle(builder, a, b, both) for a, b in zip(*parts, strict=True)]
 
-    For an index or eight of them.
-    """
-    wide = F8 if isinstance(array.dtype, types.Float) else I8
-    kind = wide if index == I8 else array.dtype
-    result = UniTuple(kind, 8)
+
+def _gathering(columns, width, first, turned):
+    """Return an intrinsic that gathers columns of rows of a width, from a first one on."""
+
+    @intrinsic
+    def function(typingctx, array, index):
+        kind = _kind(array, index)
+
+        def lower(context, builder, sig, args):
+            data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+            entry = context.get_value_type(array.dtype)
+            if not isinstance(index, Lanes):
+                place = context.cast(builder, args[1], index, types.int64)
+                row = _row(builder, data, place, entry, columns, width, first)
+                found = [builder.extract_element(row, ir.Constant(I32, i)) for i in range(columns)]
+            else:
+                rows = [
+                    _row(builder, data, place, entry, columns, width, first)
+                    for place in _places(builder, args[1])
+                ]
+                found = _eights(builder, turned, rows)
+            return context.make_tuple(builder, sig.return_type, found)
+
+        return UniTuple(kind, columns)(array, index), lower
+
+    return function
+
+
+def _columns(builder, rows):
+    """Return the columns of eight rows of four."""
+    # Rows i and i+4 side by side, then columns in pairs, then whole.
+    pairs = [_shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
+    columns = []
+    for c in range(4):
+        order = [c, 8 + c, 4 + c, 12 + c]
+        halves = [_shuffle(builder, pairs[i], pairs[i + 1], order) for i in (0, 2)]
+        columns.append(_shuffle(builder, halves[0], halves[1], [0, 1, 4, 5, 2, 3, 6, 7]))
+    return columns
+
+
+#: The columns of array[index], contiguous, as a tuple, for an index or lanes of them: the eight of
+#: (n, 8), the four of (n, 4), the first and the last four of (n, 8).
+gather_line = _gathering(8, 8, 0, _transposed)
+gather_row = _gathering(4, 4, 0, _columns)
+gather_first_half, gather_half = _gathering(4, 8, 0, _columns), _gathering(4, 8, 4, _columns)
+
+
+def _quads(builder, columns):
+    """Return the eight rows of four columns."""
+    a, b, c, d = columns
+    even, odd = [0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]
+    pairs = [(_shuffle(builder, a, b, p), _shuffle(builder, c, d, p)) for p in (even, odd)]
+    rows = []
+    for lane in range(LANES):
+        low = lane - lane % 2
+        order = [low, low + 1, LANES + low, LANES + low + 1]
+        rows.append(_shuffle(builder, *pairs[lane % 2], order))
+    return rows
+
+
+def _scatter(context, builder, array, args, columns, first, turned):
+    """Store columns of lanes into rows of eight, from a first column on."""
+    data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+    places, lanes = _places(builder, args[1]), args[2:]
+    for begin in range(0, len(places), LANES):
+        part = list(range(begin, begin + LANES))
+        eight = [v if len(places) == LANES else _shuffle(builder, v, v, part) for v in lanes]
+        for row, place in zip(turned(builder, eight), places[begin:], strict=False):
+            at = builder.add(builder.mul(place, place.type(8)), place.type(first))
+            pointer = builder.bitcast(builder.gep(data, [at]), row.type.as_pointer())
+            builder.store(row, pointer, align=8)
+    return context.get_dummy_value()
+
+
+@intrinsic
+def scatter_line(typingctx, array, index, a, b, c, d, e, f, g, h):
+    """Put lanes into the columns of array[index], (n, 8) contiguous; of equal rows the last."""
+
+    def lower(context, builder, sig, args):
+        return _scatter(context, builder, array, args, 8, 0, _transposed)
+
+    return types.void(array, index, a, b, c, d, e, f, g, h), lower
+
+
+@intrinsic
+def scatter_half(typingctx, array, index, a, b, c, d):
+    """Put lanes into the last four columns of array[index], (n, 8) contiguous."""
+
+    def lower(context, builder, sig, args):
+        return _scatter(context, builder, array, args, 4, 4, _quads)
+
+    return types.void(array, index, a, b, c, d), lower
+
+
+@intrinsic
+def put(typingctx, array, index, value):
+    """Put lanes of whole numbers into array[index], (n,) contiguous; of equal places the last."""
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        element = wide.vector.element
-        if index != I8:
-            place = context.cast(builder, args[1], index, types.int64)
-            loaded = _row(builder, data, place, element, 8)
-            columns = [builder.extract_element(loaded, ir.Constant(I32, i)) for i in range(8)]
-        else:
-            places = [builder.extract_element(args[1], ir.Constant(I32, i)) for i in range(LANES)]
-            columns = _transposed(builder, [_row(builder, data, p, element, 8) for p in places])
-        return context.make_tuple(builder, result, columns)
+        for place, one in zip(*(_places(builder, v) for v in args[1:]), strict=True):
+            builder.store(one, builder.gep(data, [place]))
+        return context.get_dummy_value()
 
-    return result(array, index), lower
+    return types.void(array, index, value), lower
 
 
 @intrinsic
-def gather_row(typingctx, array, index):
-    """Return the four columns of array[index], (n, 4) float64 contiguous, as a tuple."""
-    kind = F8 if index == I8 else types.float64
+def expand(typingctx, array, first, mask, other):
+    """Return lanes in which the mask's get the next entries of (n,) int64, from one on."""
 
     def lower(context, builder, sig, args):
         data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        if index != I8:
-            place = context.cast(builder, args[1], index, types.int64)
-            loaded = _row(builder, data, place, ir.DoubleType(), 4)
-            columns = [builder.extract_element(loaded, ir.Constant(I32, i)) for i in range(4)]
-            return context.make_tuple(builder, sig.return_type, columns)
-        places = [builder.extract_element(args[1], ir.Constant(I32, i)) for i in range(LANES)]
-        rows = [_row(builder, data, place, ir.DoubleType(), 4) for place in places]
-        # Transpose 8 rows of 4: rows i and i+4 side by side, then columns in pairs, then whole.
-        pairs = [_shuffle(builder, rows[i], rows[i + 4], list(range(8))) for i in range(4)]
-        columns = []
-        for c in range(4):
-            halves = [
-                _shuffle(builder, pairs[i], pairs[i + 1], [c, 8 + c, 4 + c, 12 + c]) for i in (0, 2)
-            ]
-            columns.append(_shuffle(builder, halves[0], halves[1], [0, 1, 4, 5, 2, 3, 6, 7]))
-        return context.make_tuple(builder, sig.return_type, columns)
+        place = builder.gep(data, [context.cast(builder, args[1], first, types.int64)])
+        given = [place, *args[2:]]
+        kind = ir.FunctionType(other.vector, [v.type for v in given])
+        name = f"llvm.masked.expandload.v{other.count}i64"
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), given)
 
-    return UniTuple(kind, 4)(array, index), lower
+    return other(array, first, mask, other), lower
+
+
+def _load_from(count):
+    @intrinsic
+    def function(typingctx, array, first):
+        kind = (FLOATS if isinstance(array.dtype, types.Float) else WHOLES)[count]
+
+        def lower(context, builder, sig, args):
+            data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
+            place = context.cast(builder, args[1], first, types.int64)
+            pointer = builder.bitcast(builder.gep(data, [place]), kind.vector.as_pointer())
+            loaded = builder.load(pointer)
+            loaded.align = 8
+            return loaded
+
+        return kind(array, first), lower
+
+    return function
+
+
+#: Eight entries of a contiguous array, or sixteen, from one on.
+load_from, load_wide = _load_from(LANES), _load_from(WIDE)
 
 
 def _row_pointer(context, builder, array, value, row, vector: ir.VectorType):
@@ -188,32 +299,3 @@ def store(typingctx, array, row, value):
         return context.get_dummy_value()
 
     return types.void(array, row, value), lower
-
-
-@intrinsic
-def load_lines(typingctx, array):
-    """Return the columns of an (8, 8) contiguous array as a tuple of lanes."""
-    kind = F8 if isinstance(array.dtype, types.Float) else I8
-    result = UniTuple(kind, LANES)
-
-    def lower(context, builder, sig, args):
-        data = cgutils.create_struct_proxy(array)(context, builder, value=args[0]).data
-        places = [ir.Constant(ir.IntType(64), i) for i in range(LANES)]
-        rows = [_row(builder, data, place, kind.vector.element, LANES) for place in places]
-        return context.make_tuple(builder, result, _transposed(builder, rows))
-
-    return result(array), lower
-
-
-@intrinsic
-def store_lines(typingctx, array, a, b, c, d, e, f, g, h):
-    """Put lanes into the columns of an (8, 8) contiguous array."""
-
-    def lower(context, builder, sig, args):
-        for i, row in enumerate(_transposed(builder, list(args[1:]))):
-            place = ir.Constant(ir.IntType(64), i)
-            pointer = _row_pointer(context, builder, array, args[0], place, a.vector)
-            builder.store(row, pointer, align=8)
-        return context.get_dummy_value()
-
-    return types.void(array, a, b, c, d, e, f, g, h), lower

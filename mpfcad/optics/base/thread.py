@@ -22,8 +22,15 @@ def add_in_order(
     """Return `total` with the part of each item added to it.
 
     `make` runs on threads, `add` here, in the order of the items; `after` is called as each comes
-    in. What is raised here or in a part ends the work: parts that wait are not begun.
+    in. What is raised here or in a part ends the work: parts that wait are not begun. One thread is
+    this one: handing parts to another took 3 % of a trace of a film alone.
     """
+    if threads == 1:
+        for item in items:
+            total = add(total, make(item))
+            if after:
+                after()
+        return total
     with ThreadPoolExecutor(threads) as pool:
         jobs = deque(pool.submit(make, item) for item in items)
         try:

@@ -1,8 +1,18 @@
-"""Ways of many rays through an endless cavity of lamps, eight at a time: those of `passage`."""
+"""Ways of many rays through an endless cavity of lamps, sixteen at a time: those of `passage`."""
+
+import numpy as np
 
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.base.lanes import LANES, any_of, root, select, spread
-from mpfcad.optics.base.lanes_array import load, load_lines, store, store_lines
+from mpfcad.optics.base.lanes import WIDE, any_of, root, select, spread_wide
+from mpfcad.optics.base.lanes_array import (
+    gather,
+    gather_first_half,
+    gather_half,
+    gather_line,
+    load_wide,
+    scatter_half,
+    scatter_line,
+)
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FLOW_ROULETTE
 from mpfcad.optics.base.roulette import ROULETTE_BELOW
 from mpfcad.optics.base.sampling import disk_point, frame
@@ -24,32 +34,26 @@ from mpfcad.optics.cavity.endless import (
 from mpfcad.optics.score.state import settle_lanes
 
 _MOST_MEETINGS = 1_000_000
-_FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST = range(5)
+_FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST, _WEIGHT = range(6)
+_LANE = np.arange(WIDE)
 
 
 @kernel
 def cavity_passages(cavity, slots, wave, sums, score):
-    """Follow the rays of up to eight slots, which come from above, through an endless cavity.
+    """Follow the rays of up to sixteen slots, which come from above, through an endless cavity.
 
     `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went,
     `score` what derivatives need, or is None.
     """
-    place, rng = wave.lane_place, wave.lane_rng
-    for i in range(LANES):
-        # Lanes without a slot repeat the first one.
-        slot = slots[i if i < len(slots) else 0]
-        store(place, i, load(wave.place, slot))
-        store(rng, i, load(wave.rng, slot))
-        place[i, 6] = wave.weight[slot]
-    weight = _follow(cavity, place, rng, wave.lane_flow, score)
-    store(wave.lane_weight, 0, weight)
+    for i in range(WIDE):
+        # Lanes without a slot have the last row, whose weight is 0.
+        wave.lane_row[i] = slots[i] if i < len(slots) else len(wave.place) - 1
+    flow = wave.lane_flow
+    _follow(cavity, wave.place, wave.rng, wave.weight, load_wide(wave.lane_row, 0), flow, score)
     for i in range(len(slots)):
         slot = slots[i]
-        store(wave.place, slot, load(place, i))
-        store(wave.rng, slot, load(rng, i))
-        wave.weight[slot] = wave.lane_weight[0, i]
+        wave.weight[slot] = flow[i, _WEIGHT]
         wave.way[slot] = 1
-        flow = wave.lane_flow
         wave.radiance[slot] += flow[i, _FOUND]
         sums[FLOW_LAMPS] += flow[i, _LAMPS]
         sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
@@ -59,18 +63,20 @@ def cavity_passages(cavity, slots, wave, sums, score):
 
 
 @kernel
-def _follow(cavity, place, rng, flow, score):
-    """Follow eight rays until all have left; return their weights, and put the rest into flow."""
+def _follow(cavity, place, rng, weights, row, flow, score):
+    """Follow the rays of some rows until all have left; put where their weights went into flow."""
     top, luminance = cavity[HEIGHT], cavity[LAMP_LUMINANCE]
     height, radius = cavity[LAMP_HEIGHT], cavity[LAMP_RADIUS]
     specular = cavity[SPECULAR_FRACTION]
-    x, y, _, dx, dy, dz, weight, _ = load_lines(place)
-    key0, key1, path0, path1, stream, draw, spare, unused = load_lines(rng)
+    x, y, _, dx, dy, dz, _, _ = gather_line(place, row)
+    key0, key1, path0, path1 = gather_first_half(rng, row)
+    stream, draw, spare, unused = gather_half(rng, row)
+    weight = gather(weights, row)
     has = unused != 0
-    z = spread(top)
-    zero = spread(0.0)
-    own = spread(1.0 * NO_LAMP)
-    first, last = spread(1.0 * NONE_COUNTED[0]), spread(1.0 * NONE_COUNTED[1])
+    z = spread_wide(top)
+    zero = spread_wide(0.0)
+    own = spread_wide(1.0 * NO_LAMP)
+    first, last = spread_wide(1.0 * NONE_COUNTED[0]), spread_wide(1.0 * NONE_COUNTED[1])
     found, to_lamps, to_element, to_roulette, lost = zero, zero, zero, zero, zero
     if score is not None:
         # Meetings with lamps and reflector, the mirrored part's score; light by each; control.
@@ -158,13 +164,13 @@ def _follow(cavity, place, rng, flow, score):
         alive = (lamp | floor) & (weight > 0.0)
     lost = lost + select(alive, weight, 0.0)
     weight = select(alive, 0.0, weight)
-    store_lines(place, x, y, z, dx, dy, dz, zero, zero)
-    store_lines(rng, key0, key1, path0, path1, stream, draw, spare, select(has, 1, 0))
-    store_lines(flow, found, to_lamps, to_element, to_roulette, lost, zero, zero, zero)
+    scatter_line(place, row, x, y, z, dx, dy, dz, zero, zero)
+    scatter_half(rng, row, stream, draw, spare, select(has, 1, 0))
+    lane = load_wide(_LANE, 0)
+    scatter_line(flow, lane, found, to_lamps, to_element, to_roulette, lost, weight, zero, zero)
     if score is not None:
-        store_lines(
-            score.lane, lamps / cavity[LAMP_REFLECTANCE], floors / cavity[REFLECTANCE], odds,
+        scatter_line(
+            score.lane, lane, lamps / cavity[LAMP_REFLECTANCE], floors / cavity[REFLECTANCE], odds,
             by_lamps / cavity[LAMP_REFLECTANCE], by_floors / cavity[REFLECTANCE], by_odds, drawn,
             zero,
         )  # fmt: skip
-    return weight

@@ -1,14 +1,14 @@
-"""The rays that wait before the cavity: which of them are followed eight at a time."""
+"""The rays that wait before the cavity: which of them are followed sixteen at a time."""
 
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.base.lanes import LANES
+from mpfcad.optics.base.lanes import WIDE
 from mpfcad.optics.cavity.endless import BRDF, NO_LAMP
 from mpfcad.optics.cavity.endless_lanes import cavity_passages
 
 
 @kernel
 def pass_cavity_queue(scene, rays, wave, flow, score):
-    """Follow through the cavity what goes eight rays at a time; return how many rays that were.
+    """Follow through the cavity what goes sixteen rays at a time; return how many rays that were.
 
     These are put first: what does not start on a lamp, under an endless row of tubes over a
     reflector that is no table.
@@ -20,6 +20,6 @@ def pass_cavity_queue(scene, rays, wave, flow, score):
         if wave.lamp[rays[i]] == NO_LAMP:
             rays[count], rays[i] = rays[i], rays[count]
             count += 1
-    for i in range(0, count, LANES):
-        cavity_passages(scene.parameter[0], rays[i : min(i + LANES, count)], wave, flow, score)
+    for i in range(0, count, WIDE):
+        cavity_passages(scene.parameter[0], rays[i : min(i + WIDE, count)], wave, flow, score)
     return count

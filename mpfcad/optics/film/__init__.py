@@ -1,1 +1,1 @@
-"""One passage through a film, ray by ray or eight rays at once, with scattering resin."""
+"""One passage through a film, ray by ray or many in lanes, with scattering resin."""

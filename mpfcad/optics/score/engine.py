@@ -62,8 +62,8 @@ def trace_slopes(
         radiance, score = np.empty((BLOCK, points)), Score.empty(columns.first, points, SLOTS)
         trace_scores(
             scene, source, np.uint64(seed), np.uint64(source.kind),
-            np.uint64(block * radiance.size), Wave.empty(len(scene.kind)), radiance.reshape(-1),
-            np.zeros(flows), NO_NET, score,
+            np.uint64(block * radiance.size), Wave.empty(len(scene.kind), points),
+            radiance.reshape(-1), np.zeros(flows), NO_NET, score,
         )  # fmt: skip
         # What is not known may be no number.
         known = along[:, columns.known].T

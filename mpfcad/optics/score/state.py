@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.optics.base import lanes
 from mpfcad.optics.base.kernel import kernel
-from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.lanes_array import aligned
 
 #: The scores of a cavity: reflectance of lamps and reflector, its mirrored share.
@@ -51,7 +51,7 @@ class Score(NamedTuple):
         (SCORES,) float64, of one passage: what it adds to the sums; of this what has mean 0; the
         light found in it times what it had added by then
     lane
-        (8, 8) float64, the same of eight rays in the cavity
+        (16, 8) float64, the same of sixteen rays in the cavity
     light
         (p, k) float64, sum over all paths of light times score, a point
     control
@@ -75,7 +75,7 @@ class Score(NamedTuple):
         step, drawn, gain = np.zeros((3, SCORES))
         return cls(
             np.zeros((slots, count)), first, step, drawn, gain,
-            aligned((LANES, LANES), np.float64), np.zeros((points, count)),
+            aligned((lanes.WIDE, 8), np.float64), np.zeros((points, count)),
             np.zeros((2, points, count)),
         )  # fmt: skip
 
@@ -168,7 +168,7 @@ def see(score, wave, slot, found):
 
 @kernel
 def settle_lanes(score, wave, slots):
-    """Put the passages of up to eight slots through the cavity, in `lane`, to their paths."""
+    """Put the passages of up to sixteen slots through the cavity, in `lane`, to their paths."""
     if score is not None:
         for i in range(len(slots)):
             for j in range(_CAVITY_SCORES):

@@ -43,13 +43,15 @@ class Layers(NamedTuple):
         ends; z [mm] from which on nothing in its cell is in the way of the direction, below and
         above the vertex, or infinity; 0. Part -1-i is row i, which asks for another vertex
     cell
-        (2 c, 4) float64, of each of c equal cells of the width, from above and from below: highest
-        or lowest part of the first strip in it, and of the next one; x [mm] between these; -1, or
-        the first strip of more than two
+        (4 c, 4) float64, of each of c equal cells of the width, from above and from below, and from
+        within the band downward and upward: the part that is met first in the first strip in it,
+        and that in the next one; x [mm] between these; -1, or the first strip of more than two
     strip
-        (n, 4) float64: right end x [mm], infinity for the last; lowest and highest part; 0
+        (n, 4) float64: right end x [mm], infinity for the last; lowest and highest part; highest
+        part below the band
     lean
-        (1,) float64
+        (3,) float64: lean, lowest and highest z [mm] of the band, a range that is free of all
+        segments: a ray in it is put at once where it leaves it. Without one (inf, -inf)
     """
 
     segment: NDArray[np.float64]
@@ -62,4 +64,4 @@ class Layers(NamedTuple):
 
 
 _COLUMNS = (8, 8, 8, 8, 4, 4)
-NO_LAYERS = Layers._make([*(np.zeros((0, n)) for n in _COLUMNS), np.zeros(1)])
+NO_LAYERS = Layers._make([*(np.zeros((0, n)) for n in _COLUMNS), np.zeros(3)])

@@ -15,6 +15,9 @@ _LEANS = (0.0, *(s * t for t in (0.2, 0.45, 0.8, 1.3, 2.0, 3.0) for s in (1, -1)
 _STEEP = 0.03
 #: How near to each other places count as one, in units of the width: some rounding.
 _SAME = 32 * 2.3e-16
+#: The least band that is used, in units of the section's height; how far from its ends a ray has to
+#: be, in units of the band, so that no vertex is where it comes in.
+_BAND, _WITHIN = 0.1, 1e-3
 
 
 class _Line(NamedTuple):
@@ -72,6 +75,7 @@ def layers_of(segment: NDArray[np.float64], width: float, underside: bool) -> La
     lowest = np.minimum.reduceat(piece[:, 1::2].min(axis=1), first)
     highest = np.maximum.reduceat(piece[:, 1::2].max(axis=1), first)
     across = strips.across(lowest, highest)
+    band, under = _band(strips, lowest, highest)
     aside = ways_aside(strips, edge, piece[first, 1], piece[last, 3], lowest, highest)
     piece[:, 1::2] *= turn[:, None]
     slope = slope * turn
@@ -87,10 +91,27 @@ def layers_of(segment: NDArray[np.float64], width: float, underside: bool) -> La
         rows,
         np.stack([first, last, start - count, *across], axis=1).astype(float),
         aside,
-        _entries(edge, strips),
-        np.stack([np.append(cut[1:], np.inf), strips.lowest, strips.highest, 0 * cut], axis=1),
-        np.array([lean]),
+        _entries(edge, strips, under),
+        np.stack([np.append(cut[1:], np.inf), strips.lowest, strips.highest, under], axis=1),
+        np.array([lean, *band]),
     )
+
+
+def _band(strips, lowest, highest):
+    """Return the z range [mm] that is free of parts, and the highest part below it a strip."""
+    order = np.argsort(lowest)
+    # How high all parts reach up to each, and how far above that the next one begins.
+    reach = np.maximum.accumulate(highest[order])[:-1]
+    gap = lowest[order][1:] - reach
+    zone = highest.max() - lowest.min()
+    if len(gap) == 0 or gap.max() < _BAND * zone:
+        return (np.inf, -np.inf), strips.lowest
+    low = reach[np.argmax(gap)]
+    below = np.bincount(strips.strip, highest <= low, len(strips.lowest)).astype(int)
+    margin = _WITHIN * gap.max()
+    if not below.all() or (strips.lowest + below > strips.highest).any():
+        return (np.inf, -np.inf), strips.lowest
+    return (low + margin, low + gap.max() - margin), strips.lowest + below - 1
 
 
 def _lean(segment: NDArray[np.float64]) -> float:
@@ -183,11 +204,11 @@ def _pieces(line, cut, width):
     return np.stack(columns, axis=1), parent, k
 
 
-def _entries(edge, strips):
+def _entries(edge, strips, under):
     """Return `Layers.cell`."""
     first, last, between, _ = cells(edge).T
     several = np.where(last > first + 1, first, -1.0)
     first, last = first.astype(int), last.astype(int)
     rows = [np.stack([part[first], part[last], between, several], axis=1)
-            for part in (strips.highest, strips.lowest)]  # fmt: skip
+            for part in (strips.highest, strips.lowest, under, under + 1)]  # fmt: skip
     return np.stack(rows, axis=1).reshape(-1, 4)

@@ -1,32 +1,39 @@
-"""How eight rays come into the layers of a section, and from strip to strip."""
+"""How rays in lanes come into the layers of a section, and from strip to strip."""
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import any_of, floor, magnitude, select, whole
 from mpfcad.optics.base.lanes_array import gather_line, gather_row
 
+#: Rays that are flatter go through a band from strip to strip.
+_LEVEL = 1e-4
+
 
 @kernel
-def layers_entry(layers, width, level, upward, x, z, dx, dz):
-    """Return where a ray from beyond the zone of the section comes to its `level`: (part, shift).
+def layers_entry(layers, width, low, high, banded, x, z, dx, dz):
+    """Return where a ray comes into the zone of the section, or leaves its band: (part, shift).
 
+    The zone is from `low` to `high` [mm]; rays that are `banded` are within its band.
     Less `shift` [mm] the ray's x is in the coordinates in which the entry lies in [0, width]; x and
     dx are leaned.
     """
-    flight = (level - z) / dz
+    upward = dz > 0.0
+    begin, end = select(banded, layers.lean[1], high), select(banded, layers.lean[2], low)
+    flight = (select(upward, end, begin) - z) / dz
     entry = x + select(flight > 0.0, flight, 0.0) * dx
     shift = floor(entry / width) * width
     entry = entry - shift
     entry = select(entry > 0.0, select(entry < width, entry, width), 0.0)
-    cells = 0.5 * len(layers.cell)
+    cells = 0.25 * len(layers.cell)
     place = entry * (cells / width)
     place = floor(select(place < cells - 1.0, place, cells - 1.0))
-    row = 2.0 * place + select(upward, 1.0, 0.0)
+    row = 4.0 * place + select(upward, 1.0, 0.0) + select(banded, 2.0, 0.0)
     first, after, between, strip = gather_row(layers.cell, whole(row))
     part = select(entry >= between, after, first)
     several = strip >= 0.0
     while any_of(several):
-        end, lowest, highest, _ = gather_row(layers.strip, whole(select(several, strip, 0.0)))
-        part = select(several, select(upward, lowest, highest), part)
+        end, lowest, highest, below = gather_row(layers.strip, whole(select(several, strip, 0.0)))
+        up, down = select(banded, below + 1.0, lowest), select(banded, below, highest)
+        part = select(several, select(upward, up, down), part)
         several = several & (entry >= end)
         strip = strip + 1.0
     return part, shift
@@ -65,8 +72,9 @@ def part_across(under, low, high, turn, below, above, z, dz):
 def next_part(layers, ends, level, part, under, x, z, dx, dz):
     """Return the part to look at in the next strip, what to take from x, and whether it is spared.
 
-    (part, shift, gone): gone rays come to the `level` of the zone, in the next strip, without
-    meeting anything. x, dx are leaned; z and dz are not turned.
+    (part, shift, gone, banded): gone rays come to the `level` of the zone, in the next strip,
+    without meeting anything; banded ones come to it in the band. x, dx are leaned; z and dz are not
+    turned.
     """
     right, upward = dx > 0.0, dz > 0.0
     speed, rise = magnitude(dx), select(right, dz, -dz)
@@ -88,4 +96,6 @@ def next_part(layers, ends, level, part, under, x, z, dx, dz):
     side = select(upward, -1.0, 1.0)
     gone = ((clear - z) * side > 0.0) & (dz * side < 0.0)
     gone = gone & (((end - x) * rise - (level - z) * speed) * side < 0.0)
-    return part, shift, gone
+    bottom, top = layers.lean[1], layers.lean[2]
+    banded = ((bottom - z) * speed < way) & ((top - z) * speed > way)
+    return part, shift, gone, banded & (magnitude(dz) > _LEVEL * speed)
