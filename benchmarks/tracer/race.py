@@ -1,4 +1,4 @@
-"""Two tracers by turns in one process: CPU seconds, paths a CPU second, and whether they agree."""
+"""Two tracers by turns: paths a CPU second, CPU seconds to an error, whether they agree."""
 
 import time
 
@@ -30,18 +30,22 @@ def equal(values, errors):
 
 
 def race(name, mine, theirs, counts, rounds, goal):
-    """Trace by turns; yield paths a CPU second of both, and the two figures."""
+    """Trace by turns; yield paths a CPU second of both, what an error costs, the two figures."""
     mine(1, 1), theirs(counts[1], 1)
-    rates, figures = ([], []), ([], [])
+    rates, figures, costs = ([], []), ([], []), ([], [])
     for seed in range(2, 2 + rounds):
         for k, tracer in enumerate((mine, theirs)):
             result, cpu = spent(tracer, counts[k], seed)
             rates[k].append((result[2] if k == 0 else counts[k]) / cpu)
             figures[k].append(result[:2])
+            costs[k].append(cpu * result[1] ** 2)
     best = [max(r) / 1e3 for r in rates]
     values = [np.mean([f[0] for f in fig]) for fig in figures]
     errors = [np.sqrt(np.sum([f[1] ** 2 for f in fig])) / len(fig) for fig in figures]
     yield entry(name, best[0], "k/s", peer=best[1], ratio=best[0] / best[1], goal=goal,
                 same=equal(values, errors))  # fmt: skip
+    cost = [1e8 * np.mean(c) for c in costs]
+    title = f"    {name.partition(', beside')[0]}: to a standard error of 0.0001"
+    yield entry(title, cost[0], "s", peer=cost[1], ratio=cost[1] / cost[0])
     away = abs(values[0] - values[1]) / np.hypot(*errors)
     yield entry(f"    figures; {away:.1f} σ apart", values[0], "", peer=values[1])

@@ -200,6 +200,29 @@ def test_rays_through_a_section_are_the_same_alone_and_eight_at_a_time(tmp_path,
             assert np.abs(direction - alone[:, 1:]).max() < 1e-9
 
 
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [("grooves below", 0.17), ("rods under grooves", 0.17), ("sheet under a film", 0.03),
+     ("undercut", None)],
+)  # fmt: skip
+def test_the_range_that_rays_go_over_at_once_holds_no_surface(tmp_path, name, size):
+    mesh = section_mesh(tmp_path, name)
+    layers = build_tile(mesh, "section").layers
+    _, low, high = layers.lean
+    if size is None:
+        assert low > high
+        return
+    assert high - low == pytest.approx(0.998 * size, abs=1e-6)
+    ends = mesh.vertex[mesh.top][:, :, 2]
+    assert ((ends.max(axis=1) < low) | (ends.min(axis=1) > high)).all()
+    # Of each strip the part below it and that above.
+    part, turn = layers.part, layers.range[:, 5]
+    height = np.where(turn < 0, -1, 1) * part[:, 1]
+    below = layers.strip[:, 3].astype(int)
+    assert (height[below] < low).all()
+    assert (height[below + 1] > high).all()
+
+
 @pytest.mark.parametrize("up", [True, False])
 @pytest.mark.parametrize("name", [*SECTIONS, *SOLIDS])
 def test_no_ray_aimed_at_a_vertex_of_a_section_is_lost_among_eight(tmp_path, name, up):
