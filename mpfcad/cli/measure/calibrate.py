@@ -269,7 +269,25 @@ def _figures(
         "tip_radius_um": None if fit.tip is None else fit.tip.radius / um,
         "prism_widths": fit.grooves,
         "points": len(fit.position),
+        "meniscus": _meniscus(fit),
         "notes": list(fit.notes),
+    }
+
+
+def _meniscus(fit: "StylusFit") -> dict[str, Any] | None:
+    """Return the shape that was found, in figures and in words."""
+    from mpfcad.units import deg, um
+
+    shape = fit.meniscus
+    if shape is None:
+        return None
+    below, angle = _bounds(shape.below_tips), _bounds(shape.wall_angle)
+    return {
+        "below_tips_um": _entry([value / um for value in below]),
+        "wall_angle_deg": _entry([value / deg for value in angle]),
+        "roundness": _entry(_bounds(shape.roundness)),
+        "parabola_through_tips": shape.through_tips,
+        "words": shape.words,
     }
 
 
@@ -308,6 +326,9 @@ def _print_table(figures: list[dict[str, Any]]) -> None:
             f"{fill:>26}{row['residual_rms_um']:>9.4f}"
             f"{row['fitted_residual_rms_um']:>12.4f}{row['tilt_deg']:>10.3f}"
         )
+    for row in figures:
+        if row["meniscus"]:
+            print(f"{Path(row['file']).name}: {row['meniscus']['words']}")
     _print_notes(figures)
 
 

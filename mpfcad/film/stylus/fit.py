@@ -1,8 +1,9 @@
 """The groove's shape from a stylus trace: levelled, centred, its tip undone, with intervals.
 
-C is the curvature *through the tips*, `fitted_curvature` what a profiler's least-squares parabola
-over the groove would give (Hsieh, MPF thesis); both are names of the fill fraction, which alone
-does not depend on the scale of positions and heights.
+The meniscus may have any shape between parabola and circle, and meet the walls anywhere. C is the
+curvature of the parabola *through the tips* that has the same fill, `fitted_curvature` that of the
+least-squares parabola over its groove (Hsieh, MPF thesis); both are names of the fill fraction,
+which alone does not depend on the scale of positions and heights.
 
 A trace whose pitch or wall slope is a few percent off what was stated has two readings: the film is
 so, or the instrument's scale is. The interval of C holds both (Imbens and Manski, "Confidence
@@ -29,7 +30,9 @@ from mpfcad.film.stylus.interval import (
     slope_hidden,
 )
 from mpfcad.film.stylus.misfit import check_shape
-from mpfcad.film.stylus.model import MOST_OFF, PITCH, Fitted, TraceModel, fit_model
+from mpfcad.film.stylus.model import MOST_OFF, PITCH, TraceModel
+from mpfcad.film.stylus.shape import MeniscusShape, meniscus_shape
+from mpfcad.film.stylus.solve import Fitted, fit_model
 from mpfcad.film.stylus.spread import Spread, spread_of
 from mpfcad.film.stylus.tip import USUAL_ANGLE, USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
@@ -52,7 +55,7 @@ class StylusFit:
     Attributes
     ----------
     curvature
-        C through the tips [1/mm]
+        C [1/mm] of the parabola through the tips that has the fill
     fitted_curvature
         of the least-squares parabola over the whole groove [1/mm]
     fill_fraction
@@ -74,6 +77,8 @@ class StylusFit:
         as the trace shows them
     grooves
         how many prism widths were used
+    meniscus
+        the shape of the resin's surface; None: a mould's parabola
     notes
         what a reader should know, one sentence each
     """
@@ -92,6 +97,7 @@ class StylusFit:
     pitch: float
     depth: float
     grooves: int
+    meniscus: MeniscusShape | None
     notes: tuple[str, ...]
 
 
@@ -213,6 +219,7 @@ def _fit_upright(
         pitch=float(value[PITCH]),
         depth=model.groove_of(value).depth,
         grooves=widths,
+        meniscus=meniscus_shape(*known[0]) if profile == "filled" else None,
         notes=tuple(notes),
     )
 

@@ -4,8 +4,9 @@ import numpy as np
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
-from mpfcad.film.stylus.model import PITCH, Fitted
+from mpfcad.film.stylus.model import PITCH
 from mpfcad.film.stylus.residual import SAID, shape_misfit
+from mpfcad.film.stylus.solve import Fitted
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.film.stylus.upright import lie_of
 from mpfcad.units import um

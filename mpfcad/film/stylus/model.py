@@ -1,11 +1,12 @@
-"""A stylus trace as a function of its grooves, and its least-squares fit.
+"""A stylus trace as a function of its grooves.
 
 The trace is base + t(x - centre), t what the tip traces of grooves (`DilatedGroove`) in a row. The
 base is offset, tilt and, over four prism widths or more, cosines of half-waves down to about a
 prism width: waviness. It is linear and projected out, so that what is sought is: centre, pitch,
-slope of the walls, rounding of the prism tips, and u = C·w/slope, over four prism widths or more of
-each groove its own. Pitch, slope and rounding have priors, for a covered groove shows no wall and
-few points no rounding.
+slope of the walls, rounding of the prism tips, the shape of the menisci, and of each groove, over
+four prism widths or more, its own fill. A fill's name is u = C·w/slope, C the curvature of the
+parabola through the tips that has it. All but the place and the fills have priors, for a covered
+groove shows no wall, few points no rounding, and a blunt tip no shape.
 """
 
 from dataclasses import dataclass, replace
@@ -15,24 +16,33 @@ from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.stylus.dilated import DilatedGroove
+from mpfcad.film.stylus.meniscus import Meniscus
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.units import nm, um
 
-CENTRE, PITCH, SLOPE, ROUNDING, FILL = range(5)
+CENTRE, PITCH, SLOPE, ROUNDING, WETTING, ROUNDNESS, FILL = range(7)
 #: Prior standard deviations: of pitch and of slope, as shares; of the rounding [mm].
 PITCH_OFF, SLOPE_OFF, ROUND = 0.02, 0.03, 1.0 * um
+#: Of the wetting about that of parabolas through the tips; mean and deviation of the roundness,
+#: which is 0 of parabolas and 1 of circles.
+WETTING_OFF, LIKELY_ROUND, ROUNDNESS_OFF = 0.4, 0.5, 0.5
+#: How many priors there are.
+PRIORS = 5
 #: Prism widths from which each groove has its own fill.
 OWN_FILL = 4
 #: Largest departures of pitch and slope, as shares, and largest rounding [mm].
 MOST_OFF, MOST_ROUND = 0.12, 6.0 * um
-#: The least noise assumed: that of heights printed to a nanometre or two.
-LEAST_NOISE = 0.5 * nm
-#: Curvatures tried before the fit, and the largest u of a profile that may dip below the walls.
-_GRID, _STEEPEST = 33, 4.0
-#: Steps of a fit at most.
-_STEPS = 40
-#: A height this many robust standard deviations off is a spike, unless it is less than 0.1 µm.
-_SPIKE, _SPIKE_LEAST, _SPIKE_SHARE = 6.0, 0.1 * um, 0.2
+#: The largest u of a profile that may dip below the walls.
+_STEEPEST = 4.0
+
+#: By how much the values are changed for differences. Less wetting changes every meniscus, and
+#: walls that are less steep every trace.
+_DIFFERENCES = (
+    (slice(CENTRE, PITCH), 2 * nm), (slice(PITCH, SLOPE), 0.01 * nm),
+    (slice(SLOPE, ROUNDING), -1e-6), (slice(ROUNDING, WETTING), 1 * nm),
+    (slice(WETTING, ROUNDNESS), -1e-4), (slice(ROUNDNESS, FILL), 1e-3),
+    (slice(FILL, None), 1e-5),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +59,9 @@ class TraceModel:
         how many have a u of their own
     held_slope
         the walls' slope, where it is not sought
+    wettings
+        the least and the largest above that of parabolas through the tips; from 0 where resin is
+        taken to reach them
     """
 
     x: NDArray[np.float64]
@@ -59,6 +72,7 @@ class TraceModel:
     base: NDArray[np.float64]
     grooves: int
     held_slope: float | None = None
+    wettings: tuple[float, float] = (-1.0, 1.0)
 
     @classmethod
     def of(
@@ -101,14 +115,32 @@ class TraceModel:
         """Return the groove of fitted pitch and slope."""
         return Groove(float(value[PITCH]), float(value[SLOPE] * value[PITCH] / 2))
 
-    def surface(self, value: NDArray[np.float64], *, traced: bool = True) -> NDArray[np.float64]:
-        """Return the height above the bare groove's valley, (n,): traced, or of the film itself."""
+    def surface(
+        self,
+        value: NDArray[np.float64],
+        *,
+        traced: bool = True,
+        touch: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the height above the bare groove's valley, (n,): traced, or of the film itself.
+
+        touch: where the tip touches the resin, if known.
+        """
+        made = self._dilated(value, self.tip if traced else None)
+        each = self.menisci(value).of(self.number(value))
+        return made.over(self.local(value), each, touch)
+
+    def _dilated(self, value: NDArray[np.float64], tip: StylusTip | None) -> DilatedGroove:
+        return DilatedGroove(self.groove_of(value), self.profile, tip, float(value[ROUNDING]))
+
+    def menisci(self, value: NDArray[np.float64]) -> Meniscus:
+        """Return the grooves' menisci, (grooves,)."""
         groove = self.groove_of(value)
-        tip = self.tip if traced else None
-        made = DilatedGroove(groove, self.profile, tip, float(value[ROUNDING]))
-        curvature = value[FILL:] * value[SLOPE] / (value[PITCH] / 2)
-        each = curvature if self.grooves == 1 else curvature[self.number(value)]
-        return made.height(self.local(value), each)
+        if self.profile == "ideal":
+            return Meniscus.through_tips(groove, value[FILL:] * groove.curvature_covered, "ideal")
+        return Meniscus.holding(
+            groove, value[FILL:], float(value[WETTING]), float(value[ROUNDNESS])
+        )
 
     def residual(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return what base and groove leave of the heights, (n,) [mm]."""
@@ -120,21 +152,30 @@ class TraceModel:
         left = self.z - self.surface(value)
         return self.z - self.base @ (self.base.T @ left)
 
-    def jacobian(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return d(surface)/d(value), (n, 4 + grooves), by differences inside the bounds."""
+    def jacobian(self, value: NDArray[np.float64], *, central: bool = True) -> NDArray[np.float64]:
+        """Return d(surface)/d(value), (n, 6 + grooves), by differences inside the bounds.
+
+        central: to both sides, where that is possible; else to one, in half of the time.
+        """
+        touch = None
+        if self.tip is not None and self.tip.radius > 0:
+            # The tip rests where it lies highest: what moves that point does not move the tip.
+            each = self.menisci(value).of(self.number(value))
+            touch = self._dilated(value, self.tip).touch(self.local(value), each)
+        there = None if central else self.surface(value, touch=touch)
         low, high = self.bounds()
         columns = []
-        for part, step in (
-            (slice(CENTRE, PITCH), 2 * nm), (slice(PITCH, SLOPE), 0.01 * nm),
-            (slice(SLOPE, ROUNDING), 1e-6), (slice(ROUNDING, FILL), 1 * nm),
-            (slice(FILL, None), 1e-5),
-        ):  # fmt: skip
+        for part, step in _DIFFERENCES:
             ahead, back = value.copy(), value.copy()
-            ahead[part] = np.minimum(value[part] + step, high[part])
-            back[part] = np.maximum(value[part] - step, low[part])
+            ahead[part] = np.clip(value[part] + step, low[part], high[part])
+            inside = ahead[part] != value[part]
+            if central or not np.all(inside):
+                aside = np.clip(value[part] - step, low[part], high[part])
+                back[part] = np.where(inside & (not central), value[part], aside)
             gap = ahead[part] - back[part]
-            change = self.surface(ahead) - self.surface(back)
-            gap = np.maximum(gap, 1e-300)  # a value that is held does not change
+            from_ = self.surface(back, touch=touch) if there is None or np.any(~inside) else there
+            change = self.surface(ahead, touch=touch) - from_
+            gap = np.where(gap == 0, np.inf, gap)  # a value that is held does not change
             columns.append(change / (gap[0] if self.grooves == 1 or part.start < FILL
                                      else gap[self.number(value)]))  # fmt: skip
         if self.grooves == 1:
@@ -148,177 +189,30 @@ class TraceModel:
         pitch, slope = self.groove.pitch, self.groove.wall_slope
         low = [-np.inf, pitch * (1 - MOST_OFF), slope * (1 - MOST_OFF), 0.0]
         high = [np.inf, pitch * (1 + MOST_OFF), slope * (1 + MOST_OFF), MOST_ROUND]
+        low += [self.wettings[0], LIKELY_ROUND - 2 * ROUNDNESS_OFF]
+        high += [self.wettings[1], LIKELY_ROUND + 2 * ROUNDNESS_OFF]
+        if self.profile == "ideal":
+            low[WETTING:] = high[WETTING:] = [0.0, LIKELY_ROUND]
         if self.held_slope is not None:
             low[SLOPE] = high[SLOPE] = self.held_slope
         return np.array(low + [0.0] * self.grooves), np.array(high + [self.top] * self.grooves)
 
     def prior(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how many prior standard deviations pitch, slope and rounding are off, (3,)."""
+        """Return how many prior standard deviations all that have priors are off, (5,)."""
         return np.array([
             (value[PITCH] / self.groove.pitch - 1) / PITCH_OFF,
             (value[SLOPE] / self.groove.wall_slope - 1) / SLOPE_OFF,
             value[ROUNDING] / ROUND,
+            value[WETTING] / WETTING_OFF,
+            (value[ROUNDNESS] - LIKELY_ROUND) / ROUNDNESS_OFF,
         ])  # fmt: skip
 
     def prior_jacobian(self) -> NDArray[np.float64]:
-        """Return d(prior)/d(value), (3, 4 + grooves)."""
-        rows = np.zeros((3, FILL + self.grooves))
+        """Return d(prior)/d(value), (5, 6 + grooves)."""
+        rows = np.zeros((PRIORS, FILL + self.grooves))
         rows[0, PITCH] = 1 / (PITCH_OFF * self.groove.pitch)
         rows[1, SLOPE] = 1 / (SLOPE_OFF * self.groove.wall_slope)
         rows[2, ROUNDING] = 1 / ROUND
+        rows[3, WETTING] = 1 / WETTING_OFF
+        rows[4, ROUNDNESS] = 1 / ROUNDNESS_OFF
         return rows
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """The values that fit best, the heights they were fitted to, and the noise [mm] assumed.
-
-    `misfit` is the mean absolute residual [mm] of all heights, those left out as spikes too: a tip
-    that is too large leaves its misfit at the prism tips, where it looks like spikes.
-    """
-
-    model: TraceModel
-    value: NDArray[np.float64]
-    noise: float
-    misfit: float
-
-    @property
-    def fills(self) -> NDArray[np.float64]:
-        """The u of each groove that is seen whole enough to tell it, (k,)."""
-        return self.value[FILL:][self.whole]
-
-    @property
-    def whole(self) -> NDArray[np.bool_]:
-        """Which grooves have at least half of the heights of a typical one, (grooves,)."""
-        count = np.bincount(self.model.number(self.value), minlength=self.model.grooves)
-        kept: NDArray[np.bool_] = count >= 0.5 * np.median(count)
-        return kept
-
-    @property
-    def curvature_of_each(self) -> NDArray[np.float64]:
-        """C [1/mm] through the tips of each groove that is seen whole enough, (k,)."""
-        each: NDArray[np.float64] = self.fills * self.value[SLOPE] / (self.value[PITCH] / 2)
-        return each
-
-    @property
-    def curvature(self) -> float:
-        """Mean C [1/mm] through the tips."""
-        return float(np.mean(self.curvature_of_each))
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the residual [mm]."""
-        return float(np.sqrt(np.mean(self.model.residual(self.value) ** 2)))
-
-
-def fit_model(whole: TraceModel) -> Fitted:
-    """Return the least-squares fit of a model, spikes left out."""
-    model, value = whole, _start(whole)
-    noise = 50 * nm
-    for robust in (True, False, False):
-        value = solve(model, value, noise, robust=robust)
-        residual = whole.residual(value)
-        spread = 1.4826 * float(np.median(np.abs(residual - np.median(residual))))
-        off = np.abs(residual) > max(_SPIKE * spread, _SPIKE_LEAST)
-        off = np.convolve(off, np.ones(3), "same") > 0
-        model = whole.at(~off) if 0 < np.mean(off) < _SPIKE_SHARE else whole
-        noise = max(float(np.std(model.residual(value))), LEAST_NOISE)
-    misfit = float(np.mean(np.abs(whole.residual(value))))
-    return Fitted(model, value, noise, max(misfit, LEAST_NOISE))
-
-
-def solve(
-    model: TraceModel,
-    value: NDArray[np.float64],
-    noise: float,
-    *,
-    robust: bool = False,
-    close: float = 1e-9,
-) -> NDArray[np.float64]:
-    """Return the least-squares values within their bounds, for a noise [mm].
-
-    Levenberg and Marquardt's method over the values that are not held at a bound; steps are clipped
-    to the bounds. A step is one of slope and u·slope: a covered groove shows that product alone, so
-    that u and slope by themselves would be stiff. `robust`: heights count as √(1 + r²) from three
-    deviations on. `close`: the share of the sum that a last step gains.
-    """
-    low, high = model.bounds()
-    value, damping = np.clip(value, low, high), 1e-3
-    residual, cost = _weighted(model, value, noise, robust)
-    for _ in range(_STEPS):
-        slope = model.jacobian(value)
-        slope = slope - model.base @ (model.base.T @ slope)
-        weight = _weight(model.residual(value) / noise, robust)
-        rows = np.concatenate([slope * (-weight / noise)[:, None], model.prior_jacobian()])
-        rows[:, FILL:] /= value[SLOPE]
-        rows[:, SLOPE] -= rows[:, FILL:] @ value[FILL:]
-        gradient, normal = rows.T @ residual, rows.T @ rows
-        held = ((value <= low) & (gradient > 0)) | ((value >= high) & (gradient < 0))
-        free = np.flatnonzero(~held)
-        inner = normal[np.ix_(free, free)]
-        size = np.maximum(np.diag(inner), 1e-12 * np.diag(normal).max())
-        moved = False
-        while damping < 1e8 and not moved:
-            step = np.zeros_like(value)
-            step[free] = -np.linalg.solve(inner + damping * np.diag(size), gradient[free])
-            moved_to = value + step
-            steepness = np.clip(moved_to[SLOPE], low[SLOPE], high[SLOPE])
-            moved_to[FILL:] = (value[FILL:] * value[SLOPE] + step[FILL:]) / steepness
-            tried = np.clip(moved_to, low, high)
-            found, lower = _weighted(model, tried, noise, robust)
-            moved = lower < cost
-            damping *= 0.2 if moved else 5.0
-        if not moved:
-            break
-        done = cost - lower < close * lower
-        value, residual, cost = tried, found, lower
-        if done:
-            break
-        damping = max(damping, 1e-9)
-    return value
-
-
-def _weight(residual: NDArray[np.float64], robust: bool) -> NDArray[np.float64]:
-    """Return the square roots of the weights that the robust sum gives residuals, (n,)."""
-    if not robust:
-        return np.ones_like(residual)
-    weight: NDArray[np.float64] = (1 + (residual / 3.0) ** 2) ** -0.25
-    return weight
-
-
-def _weighted(
-    model: TraceModel, value: NDArray[np.float64], noise: float, robust: bool
-) -> tuple[NDArray[np.float64], float]:
-    """Return the weighted residuals and priors, and the sum that is made least."""
-    residual = model.residual(value) / noise
-    prior = model.prior(value)
-    cost = np.sum(18 * (np.sqrt(1 + (residual / 3) ** 2) - 1)) if robust else np.sum(residual**2)
-    weighted = np.concatenate([residual * _weight(residual, robust), prior])
-    return weighted, float(cost + np.sum(prior**2))
-
-
-def _start(model: TraceModel) -> NDArray[np.float64]:
-    """Return values near the best: pitch and centre from the first harmonic, u from a grid."""
-    groove = model.groove
-    best = (np.inf, groove.pitch, 0.0)
-    turns = np.ptp(model.x) / groove.pitch
-    for share in np.linspace(-0.06, 0.06, 2 * int(4 * 0.06 * turns) + 3):
-        pitch = groove.pitch * (1 + share)
-        angle = 2 * np.pi * model.x / pitch
-        waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        flat = model.z - model.base @ (model.base.T @ model.z)
-        waves_flat = waves - model.base @ (model.base.T @ waves)
-        wave = np.linalg.lstsq(waves_flat, flat, rcond=None)[0]
-        error = float(np.sum((flat - waves_flat @ wave) ** 2))
-        # Highest at the tips, half a pitch from the centre.
-        centre = (np.arctan2(wave[1], wave[0]) / (2 * np.pi) + 0.5) * pitch
-        if error < best[0] * (1 - 1e-3):
-            best = (error, pitch, float(centre))
-    _, pitch, centre = best
-    value = np.array([centre, pitch, groove.wall_slope, 0.0] + [0.0] * model.grooves)
-    errors = []
-    for u in np.linspace(0.0, model.top, _GRID):
-        value[FILL:] = u
-        errors.append(float(np.sum(np.abs(model.residual(value)))))
-    value[FILL:] = np.linspace(0.0, model.top, _GRID)[int(np.argmin(errors))]
-    return value

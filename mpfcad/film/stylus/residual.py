@@ -1,9 +1,10 @@
-"""What a fit leaves of a trace: how its neighbours correlate, and what all grooves share."""
+"""What a fit leaves of a trace that all grooves share."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mpfcad.film.stylus.model import CENTRE, PITCH, Fitted
+from mpfcad.film.stylus.correlation import correlation_sum
+from mpfcad.film.stylus.model import CENTRE, PITCH
+from mpfcad.film.stylus.solve import Fitted
 
 #: Share of the relief by which the grooves' mean shape may differ from the model before it is said.
 SAID = 0.015
@@ -38,15 +39,3 @@ def shape_misfit(fit: Fitted) -> float:
     chance = float(np.mean(np.bincount(part, noise**2, _PARTS) / count**2 * inflated))
     found = float(np.mean(mean**2))
     return float(np.sqrt(found - chance)) if found > _CHANCE * chance else 0.0
-
-
-def correlation_sum(residual: NDArray[np.float64]) -> float:
-    """Return 1 + 2 Σ ρ_k up to the first ρ_k ≤ 0: by how much correlation widens a variance."""
-    n = len(residual)
-    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * n)) ** 2
-    covariance = np.fft.irfft(spectrum)[:n]
-    if not covariance[0] > 0:
-        return 1.0
-    rho = covariance[1:] / covariance[0]
-    end = int(np.argmax(rho <= 0)) if np.any(rho <= 0) else len(rho)
-    return float(min(1 + 2 * np.sum(rho[:end]), n / 5))

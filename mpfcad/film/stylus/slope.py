@@ -15,12 +15,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film.stylus.model import FILL, PITCH, SLOPE, SLOPE_OFF, Fitted, solve
+from mpfcad.film.stylus.model import FILL, PITCH, SLOPE, SLOPE_OFF
+from mpfcad.film.stylus.solve import RISE, Fitted, solve
 
-#: 95 % of χ² with one degree of freedom.
-RISE = 3.841459
 #: ln(slope over the stated one) that are tried, and how often the step at an end is halved.
-_TRIED, _HALVINGS = np.linspace(-0.08, 0.08, 17), 3
+_TRIED, _HALVINGS = np.linspace(-0.08, 0.08, 9), 3
 #: A fit is as good as found when a step gains so much of a sum of some thousand.
 _CLOSE = 1e-5
 

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus.model import MOST_OFF, Fitted, TraceModel, fit_model
-from mpfcad.film.stylus.residual import SAID, correlation_sum, misfit_share
+from mpfcad.film.stylus.correlation import correlation_sum
+from mpfcad.film.stylus.model import MOST_OFF, TraceModel
+from mpfcad.film.stylus.residual import SAID, misfit_share
+from mpfcad.film.stylus.solve import Fitted, fit_model
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
