@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
-from mpfcad.film.stylus.interval import (
+from mpfcad.film.stylus.bound.interval import (
     HIDDEN_WORDS,
     Interval,
     Scaled,
@@ -29,11 +29,11 @@ from mpfcad.film.stylus.interval import (
     on_stated_scale,
     slope_hidden,
 )
+from mpfcad.film.stylus.bound.spread import Spread, spread_of
 from mpfcad.film.stylus.misfit import check_shape
 from mpfcad.film.stylus.model import MOST_OFF, PITCH, TraceModel
 from mpfcad.film.stylus.shape import MeniscusShape, meniscus_shape
 from mpfcad.film.stylus.solve import Fitted, fit_model
-from mpfcad.film.stylus.spread import Spread, spread_of
 from mpfcad.film.stylus.tip import USUAL_ANGLE, USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import deg, um

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpfcad.film.stylus.interval import Interval
+from mpfcad.film.stylus.bound.interval import Interval
+from mpfcad.film.stylus.bound.spread import Spread
 from mpfcad.film.stylus.model import ROUNDNESS, WETTING
 from mpfcad.film.stylus.solve import Fitted
-from mpfcad.film.stylus.spread import Spread
 from mpfcad.units import deg, um
 
 #: Resin this near [mm] to the tips lies at them.

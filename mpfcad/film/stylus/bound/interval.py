@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpfcad.film.groove import Groove
+from mpfcad.film.stylus.bound.spread import Spread, spread_of
 from mpfcad.film.stylus.model import PITCH, SLOPE, SLOPE_OFF
 from mpfcad.film.stylus.solve import Fitted
-from mpfcad.film.stylus.spread import Spread, spread_of
 from mpfcad.film.stylus.tip import StylusTip
 
 _TWO_SIDED = 1.959964

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film.stylus.below import Below, below_tips
+from mpfcad.film.stylus.bound.below import Below, below_tips
+from mpfcad.film.stylus.bound.half_width import design_of, half_widths
+from mpfcad.film.stylus.bound.slope import Held, held_fits
 from mpfcad.film.stylus.correlation import correlation_sum
-from mpfcad.film.stylus.half_width import design_of, half_widths
 from mpfcad.film.stylus.model import CENTRE, FILL, PITCH, ROUNDING, SLOPE, WETTING
-from mpfcad.film.stylus.slope import Held, held_fits
 from mpfcad.film.stylus.solve import RISE, Fitted
 
 #: The larger of two half-widths is too wide: this share of it holds 95 % of simulated truths.
