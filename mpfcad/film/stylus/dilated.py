@@ -73,12 +73,12 @@ class DilatedGroove:
     ) -> NDArray[np.float64]:
         """Return the trace of the resin; beyond its contact it goes on straight to the tips."""
         tip = self.tip
-        touch = self.touch(x, meniscus) if touch is None else touch
+        at = self.touch(x, meniscus) if touch is None else np.minimum(touch, meniscus.contact)
         if tip is None:
-            surface = meniscus.height(touch) + meniscus.slope * (x - touch)
+            surface = meniscus.height(at) + meniscus.slope * (x - at)
             steepest = meniscus.slope
         else:
-            surface = meniscus.height(touch) - tip.height(touch - x)
+            surface = meniscus.height(at) - tip.height(at - x)
             steepest = np.minimum(meniscus.slope, tip.flank_slope)
         end = meniscus.level + meniscus.slope * (self.groove.half_width - meniscus.contact)
         return self._rounded(surface, x, steepest, end)
