@@ -33,8 +33,8 @@ COMMANDS = {
     ),
     "judge": (
         "m.csv --pitch-mm 32.69 --lamp-at-mm 0.5 --unit mm --pixel-mm 0.1 --crop 1,2,30,40 "
-        "--rotation-deg 5 --cell-mm 4,4 --limit 0.01 --marginal 0.02 --cd-m2-per-count 1.5",
-        "mpfcad.pipeline.judge.judge_luminance",
+        "--rotation-deg 5 --limit 0.01 --marginal 0.02 --cd-m2-per-count 1.5",
+        "mpfcad.pipeline.judge._judge_stripes",
     ),
     "calibrate": (
         "m.csv --aperture 0.3 --pitch-um 50 --depth-um 25 --unit um,um --columns 1,2 "
