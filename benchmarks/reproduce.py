@@ -2,7 +2,7 @@
 
 `python benchmarks/reproduce.py [--quick] [--page] [--out FILE]`. Traces the thesis's films with the
 presets `thesis-32in-*` and the fitted ones, `thesis-fitted-*`, writes `thesis/results.json` and of
-it, of `thesis/fit.json` (see fit_stack.py) and `thesis/published.toml` the page and its picture.
+it, and of the fits `thesis/fit-*.json` (`mpfcad fit thesis/fit-*.toml`), the page and its picture.
 Finished traces are kept in `exports/reproduction/`, named for the code that made them and all that
 they depend on: a run that was stopped goes on where it was, and nothing old is taken for new.
 About 10 CPU-minutes; `--quick` half, with wider intervals; `--page` traces nothing.
@@ -13,11 +13,12 @@ import json
 import sys
 from pathlib import Path
 
+from thesis.by_curvature import HARMONICS
 from thesis.fill_case import fill_cases
-from thesis.film_case import CACHE, EMPTY, Case, describe, file_hash, keep
+from thesis.film_case import CACHE, EMPTY, PRINTED, Case, describe, file_hash, keep
 from thesis.page import page
 from thesis.picture import draw_curvature
-from thesis.trial import PRINTED
+from thesis.two_fits import NAMES
 
 ROOT = Path(__file__).parents[1]
 HERE = Path(__file__).parent / "thesis"
@@ -40,19 +41,20 @@ def uniform_cases(values: str) -> list[Case]:
 
 
 def trace_case(stack, mesh, offset: float, effort: tuple) -> dict:
-    """Return contrast, mean luminance [cd/m²] and first harmonic as [value, low, high]."""
+    """Return contrast, mean luminance [cd/m²] and harmonics, each as [value, low, high]."""
     from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 
     half_width, limit = effort
     lit = light_film(stack, mesh, offset)
     found = luminance_over_pitch(lit, TraceRun(path_limit=limit), half_width_goal=half_width)
-    cosine, mean = found.fit.amplitude(1), found.fit.mean.value
+    mean = found.fit.mean.value
+    cosines = [found.fit.amplitude(order) for order in range(1, HARMONICS + 1)]
     return {
         "contrast": [found.contrast.value, found.contrast.low, found.contrast.high],
         "luminance_cd_m2": [
             found.mean_luminance.value, found.mean_luminance.low, found.mean_luminance.high
         ],
-        "first_harmonic": [cosine.value / mean, cosine.low / mean, cosine.high / mean],
+        "harmonics": [[a.value / mean, a.low / mean, a.high / mean] for a in cosines],
         "paths": found.paths,
     }  # fmt: skip
 
@@ -106,11 +108,11 @@ def main() -> None:
     if not given.page:
         results = run("quick" if given.quick else "standard")
         RESULTS.write_text(json.dumps(results, indent=1) + "\n", "utf-8")
-    results, fit = (json.loads((HERE / name).read_text("utf-8")) for name in
-                    ("results.json", "fit.json"))  # fmt: skip
+    results = json.loads(RESULTS.read_text("utf-8"))
+    fits = {n: json.loads((HERE / f"fit-{n}.json").read_text("utf-8")) for n in NAMES}
     picture = given.out.with_suffix(".svg")
-    given.out.write_text(page(results, fit, picture.name), "utf-8")
-    picture.write_text(draw_curvature(results, fit), "utf-8")
+    given.out.write_text(page(results, fits, picture.name), "utf-8")
+    picture.write_text(draw_curvature(results), "utf-8")
 
 
 if __name__ == "__main__":

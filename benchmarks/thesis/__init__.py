@@ -1,4 +1,5 @@
-"""The published work beside ours: its figures, the cases that make them, their fit and their page.
+"""The published work beside ours: the cases that make its figures, their fits and their page.
 
-`fit_stack.py` and `reproduce.py` beside this folder are the commands.
+`reproduce.py` beside this folder is the command; `fit-simulated.toml` and `fit-measured.toml` are
+what `mpfcad fit` takes.
 """

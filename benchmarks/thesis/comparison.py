@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from thesis.by_curvature import CURVATURE
 from thesis.figure import BEF, CONVENTIONAL, MPF_PRINTED, PATTERNED, PLATE_PRINTED, Figure, Figures
-from thesis.range_of_curvature import CURVATURE
 from thesis.table import table
 
 #: Particles in the fill: stack, resin, curvature; beside the clear film of the same fill.
@@ -48,7 +48,7 @@ def _compared(of: Figures) -> list[tuple[str, ...]]:
         ours = of.place("mpf", name)
         shown, verdict = ours.show(0), ours.beside(published, 0.5, _NEAR_CURVATURE, 0)
         if name != "best_per_mm":
-            # The surfaces end where the traces do: the range may go on.
+            # The lines end where the traces do: the range may go on.
             for end, sign in ((CURVATURE[0], "≤"), (CURVATURE[-1], "≥")):
                 if end in (ours.value, ours.low, ours.high):
                     verdict = "open, the traces end here"
@@ -129,7 +129,7 @@ def _demanded(of: Figures) -> list[tuple[str, str, tuple[bool, str]]]:
         demand("conventional contrast ≤ 0.015", conventional, 0, 0.015),
         demand("MPF contrast below conventional's or ≤ 0.012 somewhere in C = 57 … 81: at 65",
                of.contrast("mpf ideal 65"), 0, max(0.012, conventional.value)),
-        demand("the same where the response surface is lowest", lowest, 0, 0.012),
+        demand("the same where the line through the traces is lowest", lowest, 0, 0.012),
         demand("its minimum between 55 and 75 /mm", best, 55, 75, 0),
         demand("MPF luminance at C = 60 in 1.02 … 1.09", ratio("mpf ideal 60"), 1.02, 1.09),
         demand("falling above 70: L(81)/L(70) < 1", ratio("mpf ideal 81", "mpf ideal 70"), 0, 1),

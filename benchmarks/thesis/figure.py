@@ -3,13 +3,18 @@
 import math
 from dataclasses import dataclass
 
-from thesis.trial import PRINTED
+import numpy as np
+
+from thesis.by_curvature import by_curvature
+from thesis.film_case import PRINTED
 
 CONVENTIONAL = "conventional filled 80"
 BEF = "bef filled 80"
 MPF_PRINTED = f"mpf filled {PRINTED:g}"
 PLATE_PRINTED = f"mpf-plate filled {PRINTED:g}"
 PATTERNED = "patterned-16mm"
+#: Standard errors in half of a 95 % interval.
+_SIGMAS = 1.96
 
 
 @dataclass(frozen=True)
@@ -63,9 +68,21 @@ class Figure:
 class Figures:
     """The figures of one set of values."""
 
-    def __init__(self, results: dict, fit: dict, values: str):
+    def __init__(self, results: dict, values: str):
         self.case = results["set"][values]
-        self.curve = fit["by_curvature"]["centre" if values == "thesis-32in" else "fitted"]
+        self.curve = {"mpf": self._curve("mpf ideal"), "plate": self._curve("mpf-plate ideal")}
+
+    def _curve(self, films: str) -> dict:
+        """Return contrast and relative luminance of like films against their curvature."""
+        names = [name for name in self.case if name.startswith(films + " ")]
+        relative = [self.relative(name) for name in names]
+        harmonics = np.array([self.case[name]["harmonics"] for name in names])
+        reading = np.c_[np.log([f.value for f in relative]), harmonics[..., 0]]
+        width = np.c_[
+            [(f.high - f.low) / f.value for f in relative], harmonics[..., 2] - harmonics[..., 1]
+        ]
+        at = np.array([float(name.split()[-1]) for name in names])
+        return by_curvature(at, reading, width / (2 * _SIGMAS))
 
     def contrast(self, name: str) -> Figure:
         """Return the lamp-Mura contrast of a case."""
@@ -88,7 +105,7 @@ class Figures:
 
     def first_harmonic(self, name: str) -> Figure:
         """Return cos 2πu's amplitude over the mean: below 0 is brighter between the lamps."""
-        return Figure(*self.case[name]["first_harmonic"])
+        return Figure(*self.case[name]["harmonics"][0])
 
     def paths(self) -> list[int]:
         """Return the paths of each case."""
@@ -100,11 +117,11 @@ class Figures:
         return (found.high - found.low) / 2
 
     def lowest(self, family: str) -> Figure:
-        """Return the least contrast over the surfaces' range of curvature."""
+        """Return the least contrast over the traced range of curvature."""
         curve = self.curve[family]["contrast"]
         at = min(range(len(curve["value"])), key=curve["value"].__getitem__)
         return Figure(*(curve[key][at] for key in ("value", "low", "high")))
 
     def place(self, family: str, name: str) -> Figure:
-        """Return an edge of the good range of curvature, or its best, off the surfaces."""
+        """Return an edge of the good range of curvature, or its best."""
         return Figure(*self.curve[family][name])

@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mpfcad.backlight import Stack, read_stack
-from thesis.film_case import EMPTY, Case, file_hash, film_mesh
-from thesis.trial import PRINTED
+from thesis.film_case import EMPTY, PRINTED, Case, file_hash, film_mesh
 
 #: Share of the groove that is filled, and the curvature [1/mm] that it gives.
 FILLS = {0.10: PRINTED, 1 / 3: 40.0, 0.75: 15.0, 1.0: 0.0}
@@ -36,9 +35,9 @@ class FillCase(Case):
     resin: str = "filled"
     top_sheet: bool = True
 
-    def stack(self, values: dict[str, float] | None = None) -> Stack:
+    def stack(self) -> Stack:
         """Return the stack with the mesh of the film without resin, where the resin scatters."""
-        stack = read_stack(self.preset, overrides={**RESIN[self.resin], **(values or {})})
+        stack = read_stack(self.preset, overrides=RESIN[self.resin])
         if not self.top_sheet:
             stack = replace(stack, layers=stack.layers[:-1])
         return stack.with_prism(self._prism()) if RESIN[self.resin] else stack

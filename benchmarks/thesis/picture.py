@@ -17,9 +17,9 @@ _INK, _SOFT = 'fill="#1d232a" font-size="13"', 'fill="#5a6570" font-size="12"'
 _MIDDLE, _END = ' text-anchor="middle"', ' text-anchor="end"'
 
 
-def draw_curvature(results: dict, fit: dict) -> str:
+def draw_curvature(results: dict) -> str:
     """Return the SVG of contrast (left) and relative luminance (right) for both sets of values."""
-    sets = {name: Figures(results, fit, name) for name in _COLOUR}
+    sets = {name: Figures(results, name) for name in _COLOUR}
     parts = [rectangle(0, 0, _WIDTH, _HEIGHT, 'fill="#ffffff"')]
     left = _Panel(_LEFT[0], 0.0, 0.032, 0.004, 3)
     right = _Panel(_LEFT[1], 1.01, 1.07, 0.01, 2)
@@ -78,7 +78,7 @@ class _Panel:
         return parts
 
     def curve(self, curve: dict, what: str, name: str, family: str) -> list[str]:
-        """Return a surface's line over its band."""
+        """Return a family's line over its band."""
         xs = [self.x(c) for c in curve["curvature_per_mm"]]
         low, high, value = (
             [(x, self.y(v)) for x, v in zip(xs, curve[what][key], strict=True)]
