@@ -48,7 +48,8 @@ def trace_case(stack, mesh, offset: float, effort: tuple) -> dict:
     lit = light_film(stack, mesh, offset)
     found = luminance_over_pitch(lit, TraceRun(path_limit=limit), half_width_goal=half_width)
     mean = found.fit.mean.value
-    cosines = [found.fit.amplitude(order) for order in range(1, HARMONICS + 1)]
+    # The coefficients are the mean, then cosine and sine of each order.
+    cosines = [found.fit.amplitude(2 * order - 1) for order in range(1, HARMONICS + 1)]
     return {
         "contrast": [found.contrast.value, found.contrast.low, found.contrast.high],
         "luminance_cd_m2": [

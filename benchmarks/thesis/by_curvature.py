@@ -7,7 +7,8 @@ parabola through several traces averages the noise that each has.
 import numpy as np
 from numpy.typing import NDArray
 
-HARMONICS = 4
+#: Cosines of an order above 2 are lost in the noise of the traces.
+HARMONICS = 2
 #: The published limit of the good range: the conventional stack's contrast.
 LIMIT = 0.012
 CURVATURE = np.arange(50.0, 81.5, 1.0)
@@ -20,7 +21,7 @@ _COSINES = np.cos(2 * np.pi * np.arange(1, HARMONICS + 1) * _PHASE[:, None])
 def contrast(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (Lmax - Lmin)/(Lmax + Lmin) of 1 + Σ a_h cos 2πhu (Hsieh, MPF thesis, eq. 10).
 
-    `amplitude`: (..., 4) float64; returns (...).
+    `amplitude`: (..., 2) float64; returns (...).
     """
     curve = 1 + amplitude @ _COSINES.T
     high, low = curve.max(-1), curve.min(-1)
@@ -44,7 +45,7 @@ def by_curvature(
     curvature
         (n,) float64 of the traces [1/mm], four or more
     reading, error
-        (n, 5) float64: ln of the mean luminance over the conventional stack's, and the cosines'
+        (n, 3) float64: ln of the mean luminance over the conventional stack's, and the cosines'
         amplitudes over the mean, with their standard errors
     """
     drawn = _parabolas(curvature, reading, error, seed)
@@ -69,7 +70,7 @@ def by_curvature(
 
 
 def _parabolas(curvature, reading, error, seed: int) -> NDArray[np.float64]:
-    """Return the coefficients of the best parabolas, and of those drawn, (1 + draws, 3, 5).
+    """Return the coefficients of the best parabolas, and of those drawn, (1 + draws, 3, 3).
 
     Where the traces scatter by more than their noise, the errors are widened to it.
     """
@@ -93,7 +94,7 @@ def _powers(curvature: NDArray) -> NDArray[np.float64]:
 
 
 def _at(curvature: NDArray, parabolas: NDArray) -> NDArray[np.float64]:
-    """Return readings (draws, curvatures, 5)."""
+    """Return readings (draws, curvatures, 3)."""
     return np.einsum("cp,dpr->dcr", _powers(curvature), parabolas)
 
 

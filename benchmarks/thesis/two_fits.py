@@ -29,7 +29,7 @@ def two_fits(fits: dict[str, dict]) -> str:
 def _one(name: str, fit: dict) -> list[str]:
     """Return how one fit meets its figures, what it holds, and what would hold more."""
     chi2, freedom = fit["chi2"], fit["degrees_of_freedom"]
-    word = "They contradict each other.\n" if fit["contradicts"] else ""
+    word = " They contradict each other." if fit["contradicts"] else ""
     held = "\n".join(
         f"* ± {entry['width']:.2g} of its prior: {_combination(entry['parts'])}"
         for entry in fit["combinations"]
@@ -41,7 +41,7 @@ def _one(name: str, fit: dict) -> list[str]:
     )  # fmt: skip
     return [
         f"### To the {name} figures\n",
-        f"χ² is {chi2:.1f} of {freedom}, probability {fit['probability']:.2f}. {word}",
+        f"χ² is {chi2:.1f} of {freedom}, probability {fit['probability']:.2f}.{word}\n",
         _data(fit),
         "Combinations of values that these figures hold, best first:\n",
         held + "\n" + after,
@@ -106,7 +106,8 @@ def _thickness(fits: dict[str, dict]) -> str:
             words.append(f"by the {name} figures it stays {side} 1 from 16 to 10 mm"
                          + ("" if sure else ", though its interval holds 1"))  # fmt: skip
     return (
-        "\nThe thickness at which the patterned film's mean falls to the conventional 6875 cd/m²\n"
-        "(ratio 1; the map of `masks/patterned-16mm.toml` at each thickness): "
-        f"{'; '.join(words)}. The ratio\nhardly follows the thickness, so these fits name none.\n"
+        "The thickness at which the patterned film's mean falls to the conventional 6875 cd/m²\n"
+        "(ratio 1; the map of `masks/patterned-16mm.toml` at each thickness):\n\n"
+        + "".join(f"* {word};\n" for word in words)
+        + "\nThe ratio hardly follows the thickness, so these fits name none.\n"
     )
