@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.contrast.bias import mean_share, plausible, unbiased
+from mpfcad.measure.contrast.draws import contrast_of_draws
+from mpfcad.measure.contrast.shrink import plausible
 from mpfcad.measure.estimate import Estimate, wobble
 
 _DRAWS = 2000
@@ -98,63 +99,36 @@ class CellSeries:
     ) -> Estimate:
         """Return (Lmax - Lmin)/(Lmax + Lmin), median-unbiased, with its 95 % interval.
 
-        Over the whole cell, or at the places (u, v) alone. As for stripes: of the noisy series'
-        highest and lowest place, each harmonic shrunk by its noise, and of the true contrasts that
-        give such a reading (`contrast.bias`). Draws are fixed by `seed`.
+        Over the whole cell, or at the places (u, v) alone, of series that the coefficients may
+        stand for (`contrast.draws`): each harmonic is shrunk by its noise. Draws are fixed by
+        `seed`.
         """
         if u is None or v is None:
             fine = np.arange(_FINE) / _FINE
             u, v = (part.ravel() for part in np.meshgrid(fine, fine, indexing="ij"))
         at = self.at(u, v)
-        groups = self._groups()
         rng = np.random.Generator(np.random.Philox(seed))
         root = np.linalg.cholesky(self.covariance)
         noise, other = (
             rng.standard_normal((_DRAWS, len(self.coefficient))) @ root.T for _ in range(2)
         )
-        noise *= wobble(rng, _DRAWS, self.freedom)
-        shape = np.zeros_like(noise)
-        for group in groups:
+        wider = wobble(rng, _DRAWS, self.freedom)
+        drawn = self.coefficient + other
+        for group in self._groups():
             seen = self.coefficient[group]
             block = self.covariance[np.ix_(group, group)]
             power = float(seen @ np.linalg.solve(block, seen))
-            shape[:, group] = plausible(seen, power, other[:, group], rng)
-        curve = shape @ at.T
-        level = np.zeros_like(self.coefficient)
-        level[0] = self.coefficient[0]
-        reader = _Reader(at, groups, np.diag(self.covariance))
-        ends = curve.max(axis=1), curve.min(axis=1)
-        return unbiased(reader.contrast, self.coefficient, level, shape, ends, noise)
+            drawn[:, group] = plausible(seen, power, other[:, group], rng)
+            noise[:, group] *= drawn[:, group].mean(axis=0) @ seen / max(float(seen @ seen), 1e-300)
+        middle = drawn.mean(axis=0)
+        off, noise = (wider * part @ at.T for part in (drawn - middle, noise))
+        return contrast_of_draws((at @ middle)[None], off[:, None], noise[:, None])
 
     def _groups(self) -> list[NDArray[np.int64]]:
         """Return the numbers of the terms of each harmonic pair but the mean's."""
         pairs = self._harmonic()
         names = sorted({(int(a), int(b)) for a, b in pairs} - {(0, 0)})
         return [np.flatnonzero((pairs == name).all(axis=1)) for name in names]
-
-
-@dataclass(frozen=True, eq=False)
-class _Reader:
-    """Reads series' contrast at places, the terms there (k, n) float64."""
-
-    at: NDArray[np.float64]
-    groups: list[NDArray[np.int64]]
-    variance: NDArray[np.float64]
-
-    def contrast(self, coefficient: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the contrast of series (m, n), (m,)."""
-        shrunk = coefficient.copy()
-        for group in self.groups:
-            part = coefficient[:, group]
-            power = np.sum(part**2, axis=1) / self.variance[group].mean()
-            # As of two coefficients with such a power.
-            kept = 1 - mean_share(np.maximum(power * 2 / len(group), 0.0))
-            shrunk[:, group] = part * kept[:, None]
-        curve = shrunk[:, 1:] @ self.at[:, 1:].T
-        top, bottom = self.at[curve.argmax(axis=1)], self.at[curve.argmin(axis=1)]
-        high = np.einsum("mn,mn->m", top, coefficient)
-        low = np.einsum("mn,mn->m", bottom, coefficient)
-        return (high - low) / (high + low)
 
 
 def fit_series(

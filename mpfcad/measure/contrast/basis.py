@@ -24,6 +24,11 @@ class Spectrum(NamedTuple):
     roughness: float
     cutoff: float
 
+    @property
+    def is_rough(self) -> bool:
+        """Whether curves of it have kinks."""
+        return not np.isinf(self.roughness)
+
     def density(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the relative variance at frequencies (p,)."""
         square = (frequency / self.cutoff) ** 2
@@ -32,10 +37,10 @@ class Spectrum(NamedTuple):
         return (1 + square) ** (-self.roughness - 0.5)
 
 
-#: From what has one wave over the pitch to what changes from point to point.
+#: Rough ones, from what has kinks to what changes from point to point, and smooth ones.
 SPECTRA = tuple(
     [Spectrum(1.5, f) for f in (0.5, 2.0, 8.0)]
-    + [Spectrum(np.inf, f) for f in (0.75, 1.25, 2.0, 3.0, 5.0)]
+    + [Spectrum(np.inf, f) for f in (0.75, 1.25, 2.0, 3.0)]
 )
 
 
@@ -54,6 +59,8 @@ class Basis:
     ----------
     at_points, at_reading
         (n, p), (k, p) float64, the waves' values
+    at_lines
+        (k, p) float64, the same on straight lines from point to point
     frequency
         (p,) float64 [1/pitch]
     groups
@@ -62,14 +69,18 @@ class Basis:
 
     at_points: NDArray[np.float64]
     at_reading: NDArray[np.float64]
+    at_lines: NDArray[np.float64]
     frequency: NDArray[np.float64]
     groups: tuple[NDArray[np.bool_], ...]
 
-    def variance(self, choices: tuple[Choice, ...], noise: float) -> NDArray[np.float64]:
-        """Return the prior variance of each wave, (p,), with `noise` as the unit."""
+    def variance(
+        self, choices: tuple[Choice, ...], noise: float, rough: float = 1.0
+    ) -> NDArray[np.float64]:
+        """Return the prior variance of each wave, (p,), in units of `noise`; of rough ones more."""
         found = np.zeros(len(self.frequency))
-        for group, choice in enumerate(choices):
-            found += self._unit(group, choice.spectrum) * (noise * choice.variance)
+        for group, (spectrum, variance) in enumerate(choices):
+            more = rough if SPECTRA[spectrum].is_rough else 1.0
+            found += self._unit(group, spectrum) * (noise * variance * more)
         return found
 
     def _unit(self, group: int, spectrum: int) -> NDArray[np.float64]:
@@ -108,7 +119,9 @@ def build_basis(
     found = np.concatenate(frequency)
     is_shared = np.arange(len(found)) < (2 * _HIGHEST if shared else 0)
     groups = tuple(group for group in (is_shared, ~is_shared) if group.any())
-    return Basis(waves(position), waves(reading), found, groups)
+    at_points = waves(position)
+    lines = np.stack([np.interp(reading, position, one) for one in np.eye(len(position))], 1)
+    return Basis(at_points, waves(reading), lines @ at_points, found, groups)
 
 
 def _harmonics(x: NDArray[np.float64]) -> NDArray[np.float64]:

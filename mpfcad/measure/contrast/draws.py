@@ -1,0 +1,95 @@
+"""The contrast of curves that are known with noise: its interval from draws of them.
+
+Curves drawn from what the data allow have contrasts of their own, and these are the interval where
+one place is the highest and one the lowest. Where several places are nearly as high, the noise
+makes one of them the highest, in the curve read and in each curve drawn. The least contrast that
+may have been read as the one seen is then that of a curve whose likely rivals are as high as the
+highest (Andrews and Soares, "Inference for parameters defined by moment inequalities using
+generalized moment selection", 2010). The most is that of the pair of places that may differ most
+(Chernozhukov, Lee and Rosen, "Intersection bounds", 2013): the maximum of noise adds nothing to it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.measure.estimate import TAIL, Estimate, reach
+
+#: Errors of a difference within which two places, or two pitches, may be alike; places nearer than
+#: so much of the highest's own error share its noise; the largest share of a pitch's range.
+_ALIKE, _APART, _MOST = 3.0, 0.5, 0.45
+
+
+def contrasts(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (max - min)/(max + min) over the last axis."""
+    high, low = curve.max(axis=-1), curve.min(axis=-1)
+    return (high - low) / (high + low)
+
+
+def contrast_of_draws(
+    curve: NDArray[np.float64],
+    off: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    *,
+    may_be_flat: bool = False,
+) -> Estimate:
+    """Return the largest contrast of pitches, median-unbiased, with its 95 % interval.
+
+    Parameters
+    ----------
+    curve
+        (w, m) float64 [cd/m²], the curve over each pitch
+    off
+        (draws, w, m), how far off it may be
+    noise
+        (draws, w, m), what of that is read of noise alone
+    may_be_flat
+        whether the data allow no contrast at all
+    """
+    seen = float(contrasts(curve).max())
+    drawn = contrasts(curve + off).max(axis=1)
+    low, middle, high = (float(q) for q in np.quantile(drawn, (TAIL, 0.5, 1 - TAIL)))
+    value = min(max(2 * seen - middle, 0.0), middle)
+    level = _level(curve, off)
+    if not np.allclose(level, curve, rtol=1e-9):
+        read = contrasts(level + noise).max(axis=1) - float(contrasts(level).max())
+        low = min(low, seen - float(np.quantile(read, 1 - TAIL)))
+        high = min(high, max(_widest_pair(one, off[:, i], seen) for i, one in enumerate(curve)))
+    if may_be_flat:
+        flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
+        value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
+    return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
+
+
+def _level(curve: NDArray[np.float64], off: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return curves (w, m) in which all places are alike that may be so.
+
+    Rivals are places with an error of their own, not far below the highest for it, and pitches that
+    may be as uneven as the worst.
+    """
+    found, most = curve.copy(), _MOST * np.ptp(curve, axis=1, keepdims=True)
+    for sign in (1, -1):
+        place = np.argmax(sign * curve, axis=1)[:, None]
+        end, error = np.take_along_axis(curve, place, 1), np.take_along_axis(off, place[None], 2)
+        below, apart = sign * (end - curve), (error - off).std(axis=0)
+        alike = (below < np.minimum(_ALIKE * apart, most)) & (apart > _APART * error.std(axis=0))
+        found = np.where(alike, end, found)
+    read, each = contrasts(curve), contrasts(curve + off)
+    worst = int(np.argmax(read))
+    alike = read[worst] - read < _ALIKE * (each[:, [worst]] - each).std(axis=0)
+    size = np.divide(read[worst], read, out=np.ones_like(read), where=alike & (read > 0))
+    middle = found.mean(axis=1, keepdims=True)
+    return middle + size[:, None] * (found - middle)
+
+
+def _widest_pair(curve: NDArray[np.float64], off: NDArray[np.float64], seen: float) -> float:
+    """Return the largest contrast that any pair of places of a pitch has at its upper end.
+
+    curve: (m,); off: (draws, m). With c = `seen`, (1-c)·L1 - (1+c)·L2 has the sign of their
+    contrast less c.
+    """
+    top, bottom = 1 - seen, 1 + seen
+    covariance = off.T @ off / len(off)
+    variance = np.diag(covariance)
+    spread = top**2 * variance[:, None] + bottom**2 * variance - 2 * top * bottom * covariance
+    above = top * curve[:, None] - bottom * curve + reach() * np.sqrt(np.maximum(spread, 0.0))
+    return seen + float(above.max()) / float(curve.max() + curve.min())
