@@ -88,7 +88,8 @@ def check_share(share, count, most=0.97):
 
 def check(shape, contrast, sigma, count):
     rows = simulated(shape, contrast, sigma, count, seed=71)
-    check_share(covered(rows, contrast), count)
+    # A wave of a few errors might as well be a flat top, so its interval holds more.
+    check_share(covered(rows, contrast), count, 0.97 if contrast > 10 * sigma else 0.99)
     # Bias of the median below 0.15 of a point's error (3σ of the median: 1.25 · 0.35/√count) …
     slack = 3 * 1.25 * 0.35 / np.sqrt(count)
     assert abs(np.median(rows[:, 2]) - contrast) <= (0.15 + slack) * sigma
@@ -111,25 +112,93 @@ def peaks(number):
     return lambda u: np.cos(2 * np.pi * number * u)
 
 
-def plateaus(u):
-    return np.tanh(3 * (cosine(u) + 0.3))
+def plateaus(edge, floor):
+    """Return flat tops and floors with edges; the larger `floor`, the longer the top."""
+    return lambda u: np.tanh(edge * (cosine(u) + floor))
 
 
 #: Several places are as high, or a whole stretch is. Noise reads them too high alone, so intervals
-#: miss on one side only: 97.5 % at most.
-RIVALS = [(peaks(2), 0.01, 0.003), (peaks(4), 0.1, 0.003), (plateaus, 0.05, 0.003)]
+#: miss on one side only.
+RIVALS = [
+    (peaks(2), 0.01, 0.003),
+    (peaks(4), 0.1, 0.003),
+    (plateaus(3, 0.3), 0.01, 0.003),
+    (plateaus(3, 0.3), 0.05, 0.003),
+    (plateaus(6, 0.6), 0.05, 0.003),
+    (plateaus(6, 0.0), 0.3, 0.003),
+    (plateaus(20, 0.3), 0.3, 0.003),
+]
 
 
 def check_rivals(shape, contrast, sigma, count):
     rows = simulated(shape, contrast, sigma, count, seed=78)
-    check_share(covered(rows, contrast), count, 0.975)
+    # At the points: between them a steep edge is not told.
+    share = covered(rows, naive(curve(shape, contrast)))
+    check_share(share, count, 0.985)
     assert np.mean(rows[:, 1] < contrast) < 0.01
+
+
+def test_flat_tops_in_noise_are_not_taken_for_waves():
+    check_rivals(*RIVALS[2], 80)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("shape", "contrast", "sigma"), RIVALS)
 def test_many_curves_whose_highest_places_are_alike(shape, contrast, sigma):
     check_rivals(shape, contrast, sigma, 400)
+
+
+def decay(length, lamp=0.0):
+    """Return the light of one lamp: a pointed top above it."""
+    return lambda u: np.exp(-np.abs(u - lamp) / length)
+
+
+def bell(u):
+    """Return the light of a lamp in a white cavity."""
+    return 1 / (1 + (u / 0.35) ** 2)
+
+
+def unequal(u):
+    """Return two pitches' lamps, one dimmed."""
+    lamps = zip((1, 0.9, 1, 1), (-1, 0, 1, 2), strict=True)
+    return sum(luminance / (1 + ((u - place) / 0.35) ** 2) for luminance, place in lamps)
+
+
+#: A window of a panel: pointed and round tops, at its end and within.
+WINDOWS = [
+    (decay(0.4), 0.82, 0.003),
+    (decay(0.4), 0.82, 0.01),
+    (decay(0.4, 0.5), 0.57, 0.003),
+    (decay(0.4, 0.31), 0.57, 0.01),
+    (decay(0.7, 0.5), 0.35, 0.003),
+    (bell, 0.5, 0.01),
+    (unequal, 0.02, 0.003),
+    (unequal, 0.1, 0.01),
+]
+
+
+def check_window(shape, contrast, sigma, count):
+    rng = np.random.default_rng(80)
+    truth = curve(shape, contrast)
+    truth /= truth.mean()
+    held = 0
+    for i in range(count):
+        noisy = truth + sigma * rng.standard_normal(POINTS)
+        fit = fit_curve(POSITION, noisy, np.full(POINTS, sigma), periodic=False)
+        found = contrast_of_curve(fit, i)
+        held += found.low <= naive(truth) <= found.high
+    # Where one lamp's top is all that is high, noise hardly makes it higher: 98 % are held.
+    check_share(held / count, count, 0.98)
+
+
+def test_a_pointed_top_is_not_smoothed_away():
+    check_window(*WINDOWS[3], 80)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("shape", "contrast", "sigma"), WINDOWS)
+def test_many_windows_of_a_panel(shape, contrast, sigma):
+    check_window(shape, contrast, sigma, 400)
 
 
 @pytest.mark.parametrize(("shape", "rivals"), [(cosine, False), (peaks(4), True)])

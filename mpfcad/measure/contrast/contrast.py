@@ -26,29 +26,39 @@ def contrast_of_curve(fit: CurveFit, seed: int = 0, *, points: int | None = None
     window = fit.window
     if points is not None:
         window = window[:, :: (window.shape[1] - 1) // (points - 1)]
-    return _contrast_within(fit, window, seed)
+    return _Draws(fit, seed).contrast(window)
 
 
 def contrasts_of_pitches(fit: CurveFit, seed: int = 0) -> list[Estimate]:
     """Return the contrast of each pitch of a curve on its own."""
-    return [_contrast_within(fit, window[None], seed) for window in fit.window]
+    draws = _Draws(fit, seed)
+    return [draws.contrast(window[None]) for window in fit.window]
 
 
-def _contrast_within(fit: CurveFit, window: NDArray[np.int64], seed: int) -> Estimate:
-    rng = np.random.Generator(np.random.Philox(seed))
-    draws = _DRAWS if len(fit.window) == 1 else _DRAWS // 2
-    off = fit.draw(rng, draws)
-    off = off - off.mean(axis=0)
-    noise = rng.standard_normal((draws, len(fit.error))) * fit.error @ fit.gain.T
-    # What the reading's error is known to: that of the difference of its two ends.
-    curve = fit.curve
-    worst = window[np.argmax(contrasts(curve[window]))]
-    high, low = worst[np.argmax(curve[worst])], worst[np.argmin(curve[worst])]
-    wider = fit.misfit * wobble(rng, draws, fit.freedom(fit.gain[high] - fit.gain[low]))
-    return contrast_of_draws(
-        curve[window], (wider * off)[:, window], (wider * noise)[:, window],
-        may_be_flat=fit.plausible.may_be_flat,
-    )  # fmt: skip
+class _Draws:
+    """Curves that a fit's points may stand for, and what it reads of their noise alone."""
+
+    def __init__(self, fit: CurveFit, seed: int) -> None:
+        rng = np.random.Generator(np.random.Philox(seed))
+        draws = _DRAWS if len(fit.window) == 1 else _DRAWS // 2
+        self._fit, self._curve, self._seed = fit, fit.curve, seed
+        off = fit.draw(rng, draws)
+        self._off = off - off.mean(axis=0)
+        self._noise = rng.standard_normal((draws, len(fit.error))) * fit.error @ fit.gain.T
+
+    def contrast(self, window: NDArray[np.int64]) -> Estimate:
+        """Return the contrast of the worst of some pitches (w, m)."""
+        fit, curve = self._fit, self._curve
+        # What the reading's error is known to: that of the difference of its two ends.
+        worst = window[np.argmax(contrasts(curve[window]))]
+        high, low = worst[np.argmax(curve[worst])], worst[np.argmin(curve[worst])]
+        freedom = fit.freedom(fit.gain[high] - fit.gain[low])
+        rng = np.random.Generator(np.random.Philox([self._seed, 1]))
+        wider = fit.misfit * wobble(rng, len(self._off), freedom)
+        return contrast_of_draws(
+            curve[window], (wider * self._off)[:, window], (wider * self._noise)[:, window],
+            may_be_flat=fit.plausible.may_be_flat,
+        )  # fmt: skip
 
 
 def contrast_of_points(

@@ -43,6 +43,8 @@ class CurveFit:
         √(χ²/degrees of freedom) of the points about the curve, 1 where noise explains it
     basis, plausible
         the waves, and what may be their variances
+    gains
+        (q, k, n) float64, what `gain` is the mean of: that of each plausible prior
     """
 
     position: NDArray[np.float64]
@@ -56,6 +58,7 @@ class CurveFit:
     misfit: float
     basis: Basis
     plausible: Plausible
+    gains: NDArray[np.float64]
 
     @property
     def curve(self) -> NDArray[np.float64]:
@@ -104,11 +107,10 @@ class CurveFit:
         found = np.empty((draws, len(self.reading)))
         for i in np.unique(number):
             prior, rows = priors[i], number == i
-            gain = _gain(self.basis, prior, self.error**2)
             wave = rng.standard_normal((rows.sum(), len(prior.variance))) * np.sqrt(prior.variance)
             noise = rng.standard_normal((rows.sum(), len(self.error))) * self.error
             off = self.luminance - wave @ self.basis.at_points.T - noise
-            found[rows] = wave @ _reading(self.basis, prior).T + off @ gain.T
+            found[rows] = wave @ _reading(self.basis, prior).T + off @ self.gains[i].T
         return found
 
 
@@ -141,12 +143,13 @@ def fit_curve(
     basis = build_basis(position, reading, periodic=periodic)
     unit = float(np.mean(error**2)) * 8 * pitches / len(position) * 2
     found = plausible_priors(basis, luminance, error**2, unit)
-    gains = [prior.share * _gain(basis, prior, error**2) for prior in found.priors]
-    gain = np.sum(gains, axis=0) / sum(prior.share for prior in found.priors)
+    gains = np.array([_gain(basis, prior, error**2) for prior in found.priors])
+    gain = np.average(gains, axis=0, weights=[prior.share for prior in found.priors])
     at_points = gain[::finer]
     return CurveFit(
         position, luminance, error, blocks, reading, gain, _windows(len(reading), pitches),
         float(np.trace(at_points)), _misfit(at_points, luminance, error, blocks), basis, found,
+        gains,
     )  # fmt: skip
 
 
