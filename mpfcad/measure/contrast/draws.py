@@ -49,14 +49,18 @@ def contrast_of_draws(
     drawn = contrasts(curve + off).max(axis=1)
     low, middle, high = (float(q) for q in np.quantile(drawn, (TAIL, 0.5, 1 - TAIL)))
     value = min(max(2 * seen - middle, 0.0), middle)
-    level = _level(curve, off)
+    level, most = _level(curve, off), high
     if not np.allclose(level, curve, rtol=1e-9):
         read = contrasts(level + noise).max(axis=1) - float(contrasts(level).max())
         low = min(low, seen - float(np.quantile(read, 1 - TAIL)))
-        high = min(high, max(_widest_pair(one, off[:, i], seen) for i, one in enumerate(curve)))
+        most = max(_widest_pair(one, off[:, i], seen) for i, one in enumerate(curve))
     if may_be_flat:
         flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
         value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
+    else:
+        # The curves drawn have the maximum of noise twice.
+        most = min(most, value + high - middle)
+    high = min(high, most)
     return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
 
 
