@@ -19,9 +19,12 @@ from mpfcad.optics.source import EYE, Source
 RUNS, BLOCKS, THICKNESS = 400, 4, 14.0
 SHEETS = {"extent": "panel", "panel_width_mm": 133.2, "lamp_count": 4, "rim_mm": 0.0}
 BARE = 'layers = ["clear_plate", "film"]\n'
+UNEQUAL = ((1, 0.95), (2, 1.05), (4, 0.9))
 SCENES = {
     "equal": ("", SHEETS),
     "dimmed": ("", SHEETS | {"lamp_3_luminance_factor": 0.9}),
+    "unequal": ("", SHEETS | {f"lamp_{i}_luminance_factor": f for i, f in UNEQUAL}),
+    "dark pitch": ("", SHEETS | {f"lamp_{i}_luminance_factor": 0.0 for i in (2, 3)}),
     "shifted": ("", SHEETS | {"lamp_2_shift_mm": 2.0}),
     "one lamp": ("", SHEETS | {"lamp_count": 1}),
     "no sheets": (BARE, SHEETS),

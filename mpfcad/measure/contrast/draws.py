@@ -57,8 +57,8 @@ def contrast_of_draws(
     if may_be_flat:
         flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
         value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
-    else:
-        # The curves drawn have the maximum of noise twice.
+    elif len(curve) > 1:
+        # Noise makes one of several pitches the worst: once in what is seen, twice in the draws.
         most = min(most, value + high - middle)
     high = min(high, most)
     return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
