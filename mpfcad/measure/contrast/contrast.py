@@ -14,6 +14,8 @@ from mpfcad.measure.contrast.draws import contrast_of_draws, contrasts
 from mpfcad.measure.estimate import TAIL, Estimate, wobble
 
 _DRAWS, _LEAST_ERROR = 1000, 1e-12
+#: A curve of more values than that share of its points is the points.
+_NEARLY_ALL = 0.9
 
 
 def contrast_of_curve(fit: CurveFit, seed: int = 0, *, points: int | None = None) -> Estimate:
@@ -58,6 +60,7 @@ class _Draws:
         return contrast_of_draws(
             curve[window], (wider * self._off)[:, window], (wider * self._noise)[:, window],
             may_be_flat=fit.plausible.may_be_flat,
+            is_smoothed=fit.values < _NEARLY_ALL * len(fit.position),
         )  # fmt: skip
 
 
@@ -88,5 +91,5 @@ def contrast_of_points(
     of_errors = min(freedom_of_sum(np.sqrt(weight), error, blocks), 1e9)
     return contrast_of_draws(
         luminance[None], off[:, None], noise[:, None],
-        may_be_flat=bool(fdtrc(left, of_errors, share) > TAIL),
+        may_be_flat=bool(fdtrc(left, of_errors, share) > TAIL), is_smoothed=False,
     )  # fmt: skip

@@ -31,6 +31,7 @@ def contrast_of_draws(
     noise: NDArray[np.float64],
     *,
     may_be_flat: bool = False,
+    is_smoothed: bool = True,
 ) -> Estimate:
     """Return the largest contrast of pitches, median-unbiased, with its 95 % interval.
 
@@ -44,6 +45,8 @@ def contrast_of_draws(
         (draws, w, m), what of that is read of noise alone
     may_be_flat
         whether the data allow no contrast at all
+    is_smoothed
+        whether the curve may be lower than the truth where this is pointed
     """
     seen = float(contrasts(curve).max())
     drawn = contrasts(curve + off).max(axis=1)
@@ -57,9 +60,10 @@ def contrast_of_draws(
     if may_be_flat:
         flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
         value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
-    elif len(curve) > 1:
-        # Noise makes one of several pitches the worst: once in what is seen, twice in the draws.
-        most = min(most, value + high - middle)
+    elif len(curve) > 1 or not is_smoothed:
+        # Noise makes one pitch or point the worst: once in what is seen, twice in the draws.
+        again = float(np.median(contrasts(curve + noise).max(axis=1)))
+        most = min(most, 2 * seen - again + high - middle)
     high = min(high, most)
     return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
 
