@@ -281,7 +281,7 @@ def test_each_slope_is_that_of_finite_differences(tmp_path, number):
              (1, "scattering"), (1, "absorption"), (1, "asymmetry"), (2, "sigma"),
              (2, "wide_sigma"), (2, "wide_share"), (2, "index"), (3, "absorption"), (4, "sigma"),
              (4, "sigma_across"), (4, "transmission")]  # fmt: skip
-    against_differences(elements, [names[number]], 400)
+    against_differences(elements, [names[number]], 150)
 
 
 def test_slopes_along_a_direction_are_those_of_finite_differences(tmp_path):
