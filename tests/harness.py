@@ -6,14 +6,21 @@ import numpy as np
 from manifold3d import triangulate
 from numba import njit, uint64
 
-from mpfcad.optics import sheet
+from mpfcad.optics import sheet, slab
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.caught import NO_NET
 from mpfcad.optics.element import BSDF, SHEET, SLAB, TABLE
 from mpfcad.optics.engine import trace_paths
-from mpfcad.optics.film.passage import INDEX, INDEX_BELOW, film_passage, placed_film_passage
+from mpfcad.optics.film.passage import (
+    ABSORPTION,
+    INDEX,
+    INDEX_BELOW,
+    RESIN_ABSORPTION,
+    film_passage,
+    placed_film_passage,
+)
 from mpfcad.optics.lowering import COLUMNS
 from mpfcad.optics.search.tile import build_tile
 from mpfcad.optics.search.tile_table import build_tile_table
@@ -257,10 +264,10 @@ def pass_layers(scene, enter_below, seed, out):
             way = 1
             p = scene.parameter[e]
             if scene.kind[e] == SLAB:
-                way, x, y, dx, dy, dz, kept = slab_passage(
+                way, x, y, dx, dy, dz, travelled = slab_passage(
                     scene.phase, p, up, x, y, dx, dy, dz, None, None, rng
                 )
-                weight *= kept
+                weight *= np.exp(-p[slab.ABSORPTION] * travelled)
             elif scene.kind[e] == SHEET:
                 passed, dx, dy, dz = sheet.sheet_passage(p, dx, dy, dz, None, rng)
                 weight *= p[sheet.TRANSMISSION]
@@ -270,10 +277,10 @@ def pass_layers(scene, enter_below, seed, out):
                 weight *= kept
                 way = 1 if passed == up else -1
             else:
-                way, x, y, dx, dy, dz, kept = placed_film_passage(
+                way, x, y, dx, dy, dz, travelled, soaked = placed_film_passage(
                     scene.tiles, scene.phase, p, up, x, y, dx, dy, dz, None, rng
                 )
-                weight *= kept
+                weight *= np.exp(-p[ABSORPTION] * travelled - p[RESIN_ABSORPTION] * soaked)
             if way == 0:
                 break
             up = way > 0
@@ -292,7 +299,9 @@ def pass_film(tiles, index, up, start, seed, out):
     for i in range(len(start)):
         start_path(rng, uint64(seed), uint64(8), uint64(i))
         x, y, dx, dy, dz = start[i, 0], start[i, 1], start[i, 2], start[i, 3], start[i, 4]
-        way, x, y, dx, dy, dz, _ = film_passage(tiles, phase, film, up, x, y, dx, dy, dz, None, rng)
+        way, x, y, dx, dy, dz, _, _ = film_passage(
+            tiles, phase, film, up, x, y, dx, dy, dz, None, rng
+        )
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = way, dx, dy, dz
 
 

@@ -21,6 +21,7 @@ LAYER = {
     "boundary": 1,
     "store": 2,
     "film": 2,
+    "spectrum": 2,
     "mask": 3,
     "cad": 3,
     "optics": 3,

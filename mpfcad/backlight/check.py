@@ -73,6 +73,8 @@ def _check_light(where: str, stack: Stack) -> None:
         raise InputError(
             f"{where}: light.polarised: LEDs are traced without polarisation: expected tubes"
         )
+    _check_converters(where, stack)
+    _check_base(where, stack)
     given = [key for key in stack.quantity if key.endswith("depolarisation")]
     if given and not stack.polarised:
         raise InputError(f"{where}: value.{given[0]}: needs light.polarised = true")
@@ -97,6 +99,30 @@ def _check_light(where: str, stack: Stack) -> None:
                     f"{at}: transmission_{way} {shares[0]:g} and reflection_{way} {shares[1]:g}: "
                     "expected at most 1 together, as a passive layer has"
                 )
+
+
+def _check_base(where: str, stack: Stack) -> None:
+    """Raise unless a birefringent base is one, and light is polarised."""
+    retardation, axis = "film_base_retardation_nm", "film_base_axis_deg"
+    given = [key for key in (retardation, axis) if key in stack.quantity]
+    if given and not stack.polarised:
+        raise InputError(f"{where}: value.{given[0]}: needs light.polarised = true")
+    for need in (retardation, "film_base_index"):
+        if given and need not in stack.quantity:
+            raise InputError(f"{where}: value.{need}: missing: expected with {given[0]}")
+
+
+def _check_converters(where: str, stack: Stack) -> None:
+    """Raise unless each layer that converts light says once how much it takes."""
+    for name in stack.converters:
+        at = f"{where}: layers: {name}"
+        given = [key for key in ("absorptance", "absorption_per_mm", "thickness_um")
+                 if f"{name}.{key}" in stack.quantity]  # fmt: skip
+        if given not in (["absorptance"], ["absorption_per_mm", "thickness_um"]):
+            said = ", ".join(given) or "no absorption"
+            raise InputError(
+                f"{at}: {said}: expected absorptance, or absorption_per_mm with thickness_um"
+            )
 
 
 def _check_film_layers(where: str, stack: Stack) -> None:

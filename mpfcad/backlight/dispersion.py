@@ -21,14 +21,19 @@ SPECTRAL = {
     "absorption_per_mm": ("table_nm",),
     "reflectance": ("table_nm",),
     "transmission": ("table_nm",),
+    "absorptance": ("table_nm",),
 }
 #: Where a stack states no wavelength.
 DEFAULT_WAVELENGTH_NM = 550.0
 _MOST = 10
 
 
-def dispersed(where: str, key: str, entry: Any, wavelength_nm: object) -> Any:
+def dispersed(
+    where: str, key: str, entry: Any, wavelength_nm: object, of: str = "light_wavelength_nm"
+) -> Any:
     """Return an entry as `read_quantity` takes it: a law of dispersion as its number.
+
+    `of` says where the wavelength comes from.
 
     Raises
     ------
@@ -48,13 +53,14 @@ def dispersed(where: str, key: str, entry: Any, wavelength_nm: object) -> Any:
         raise InputError(
             f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm!r}: expected a number"
         )
-    number = _number(f"{where}.{key}: {laws[0]}", laws[0], entry[laws[0]], float(wavelength_nm))
+    at = f"{where}.{key}: {laws[0]}"
+    number = _number(at, laws[0], entry[laws[0]], float(wavelength_nm), of)
     rest = {name: value for name, value in entry.items() if name not in LAWS}
     said = f"{laws[0]} at {wavelength_nm:g} nm"
     return {**rest, "value": number, "source": f"{rest.get('source', 'given by the user')}; {said}"}
 
 
-def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> float:
+def _number(where: str, law: str, numbers: object, wavelength_nm: float, of: str) -> float:
     """Return the value that a law has at a wavelength."""
     try:
         values = np.array(numbers, float)
@@ -77,7 +83,7 @@ def _number(where: str, law: str, numbers: object, wavelength_nm: float) -> floa
         if not values[0, 0] <= wavelength_nm <= values[-1, 0]:
             raise InputError(
                 f"{where}: {values[0, 0]:g} … {values[-1, 0]:g} nm: does not cover "
-                f"light_wavelength_nm {wavelength_nm:g}"
+                f"{of} {wavelength_nm:g}"
             )
         return float(np.interp(wavelength_nm, values[:, 0], values[:, 1]))
     expected = {

@@ -5,8 +5,10 @@ reflection where the index changes and absorption along the path; the prisms kee
 resin that scatters or is of another material is told from the prisms by their own mesh.
 """
 
+import math
 from dataclasses import replace
 
+from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.backlight.stack import Stack
@@ -45,9 +47,13 @@ def lower_film(
         height, index = stack[f"{layer}_thickness_um"] * um, stack[f"{layer}_index"]
         absorption = stack.get(f"{layer}_absorption_per_mm")
         words = layer.replace("_", " ")
+        delay, axis = delay_of(stack, height) if layer == "film_base" else (0.0, 0.0)
         elements.append(
-            Slab(index, height, 0.0, absorption, bonded=True, name=words, index_below=below)
-        )
+            Slab(
+                index, height, 0.0, absorption, bonded=True, name=words, index_below=below,
+                delay=delay, axis=axis,
+            )
+        )  # fmt: skip
         below, thickness = index, thickness + height
     if isinstance(mesh, Library | CellTops):
         return [*elements, _library(stack, mesh, thickness, below, offset)]
@@ -62,6 +68,17 @@ def lower_film(
         roughness=stack.of_film("roughness"),
     )  # fmt: skip
     return [*elements, film]
+
+
+def delay_of(stack: Stack, height: float) -> tuple[float, float]:
+    """Return by how much the base delays light along its axis [rad/mm], and the axis [rad].
+
+    `height` [mm]: of the base, over which its retardation is stated.
+    """
+    wavelength = stack.get("light_wavelength_nm", DEFAULT_WAVELENGTH_NM)
+    waves = stack.get("film_base_retardation_nm") / wavelength
+    axis = stack.get("film_base_axis_deg") * deg
+    return 2 * math.pi * waves / height, axis
 
 
 def _lie(stack: Stack) -> tuple[str, float, bool]:

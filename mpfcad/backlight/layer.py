@@ -77,6 +77,13 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "depolarisation": (*_SHARE, LEFT_OUT),
     },
     "bsdf": {},
+    "converter": {
+        "absorptance": (0.0, 0.9999, LEFT_OUT),
+        "absorption_per_mm": (0.0, 1e5, LEFT_OUT),
+        "thickness_um": (0.01, 10_000.0, LEFT_OUT),
+        "yield": (0.0, 1.0, None),
+        "index": (*_INDEX, 1.5),
+    },
     "polariser": {
         "axis_deg": (*_ANGLE, 0.0),
         "transmission_along": (*_SHARE, None),
@@ -101,7 +108,9 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
 }
 #: What acts on polarisation: there is none without `light.polarised`.
 POLARISING = ("polariser", "reflective_polariser", "retarder", "mueller")
-_FLAGS = ("kind", "name", "file", "flipped")
+#: What converts light from one wavelength to another.
+CONVERTER = "converter"
+_FLAGS = ("kind", "name", "file", "flipped", "emission")
 #: Kinds that are films: of a mesh that their values make, or that is read as well.
 MADE_KINDS = ("bef", "lens", "composite")
 FILM_KINDS = ("film", *MADE_KINDS)
@@ -133,7 +142,8 @@ class Layer:
                  "bsdf": "element by its BSDF table", "lens": "lens array",
                  "composite": "composite of bonded films",
                  "reflective_polariser": "reflective polariser",
-                 "mueller": "element by its Mueller matrix"}  # fmt: skip
+                 "mueller": "element by its Mueller matrix",
+                 "converter": "converting sheet"}  # fmt: skip
         where = f" {Path(self.file).name}" if self.file else ""
         down = ", upside down" if self.flipped else ""
         return f"{words.get(self.kind, self.kind)}{where}{down}"
@@ -170,6 +180,7 @@ def read_layer(
     is_film = kind in FILM_KINDS
     allowed = [*_FLAGS[:2], *(("file",) if kind == "film" else ()), *OWN_VALUES[kind]]
     allowed += ["flipped"] if is_film else []
+    allowed += ["emission"] if kind == CONVERTER else []
     unknown = sorted(set(entry) - set(allowed))
     if unknown:
         raise InputError(f"{at}: {unknown[0]}: unknown key; expected: {', '.join(allowed)}")

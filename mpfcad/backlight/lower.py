@@ -1,12 +1,13 @@
 """A stack lowered to the elements that are traced."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight.array_mesh import made_mesh
 from mpfcad.backlight.film_layer import lower_film
-from mpfcad.backlight.layer import POLARISING
+from mpfcad.backlight.layer import CONVERTER, POLARISING
 from mpfcad.backlight.particle import build_particles
 from mpfcad.backlight.plane_layer import depolarisation_of, lower_plane
 from mpfcad.backlight.stack import Stack
@@ -16,7 +17,8 @@ from mpfcad.optics.library.file import is_library_file, read_library
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
-from mpfcad.units import deg
+from mpfcad.optics.spectral.converter import Converter
+from mpfcad.units import deg, um
 
 
 def lower_stack(
@@ -84,6 +86,8 @@ def _own_layer(stack: Stack, name: str) -> Element:
         return stack[f"{name}.{key}"]
 
     words = _words(name)
+    if layer.kind == CONVERTER:
+        return Converter(depth_of(stack, name), value("index"), value("yield"), words)
     if layer.kind in POLARISING:
         return lower_plane(stack, name, words)
     if layer.kind == "plate":
@@ -118,6 +122,13 @@ def _own_layer(stack: Stack, name: str) -> Element:
         mesh, value("index"), name=words, rotation=rotation, flipped=layer.flipped,
         absorption=absorption, roughness=roughness,
     )  # fmt: skip
+
+
+def depth_of(stack: Stack, name: str) -> float:
+    """Return the optical depth of a converting layer along the normal."""
+    if f"{name}.absorptance" in stack.quantity:
+        return -math.log1p(-stack[f"{name}.absorptance"])
+    return stack[f"{name}.absorption_per_mm"] * stack[f"{name}.thickness_um"] * um
 
 
 def printed_films(elements: Iterable[Element]) -> set[str]:

@@ -52,7 +52,11 @@ PARTICLE_RANGES = {
     "light_wavelength_nm": (200.0, 2000.0),
 }
 #: How light is polarised; may be left out.
-LIGHT_RANGES = {"sheet_depolarisation": (0.0, 1.0)}
+LIGHT_RANGES = {
+    "sheet_depolarisation": (0.0, 1.0),
+    "film_base_retardation_nm": (0.0, 1e6),
+    "film_base_axis_deg": (-360.0, 360.0),
+}
 #: Layers of a film under its prisms, from below, and what each states, as does the resin in its
 #: grooves; all may be left out.
 FILM_LAYERS = ("film_base", "film_primer")

@@ -1,7 +1,7 @@
 """Reads a stack from a preset or a TOML file and checks every number."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +9,14 @@ from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
 from mpfcad.backlight.check import check_layers, check_made
 from mpfcad.backlight.derive import derive
 from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM, LAWS, dispersed
-from mpfcad.backlight.layer import read_layer
+from mpfcad.backlight.layer import CONVERTER, read_layer
+from mpfcad.backlight.light import Light, build_bands, read_light
 from mpfcad.backlight.quantity import ranges_with, read_quantity
 from mpfcad.backlight.source import SourceSpec, TubeSpec, read_spec
 from mpfcad.backlight.stack import EXTENTS, Stack
 from mpfcad.boundary import guarded, read_toml
 from mpfcad.errors import InputError
+from mpfcad.spectrum import Spectrum, read_spectrum
 
 _PRESETS = Path(__file__).parent / "preset"
 #: Longest chain of files that extend one another.
@@ -35,7 +37,8 @@ class _Text:
     value: dict[str, tuple[str, object]] = field(default_factory=dict)
     table: dict[str, BsdfLayer] = field(default_factory=dict)
     spec: SourceSpec = field(default_factory=TubeSpec)
-    polarised: bool = False
+    light: Light = field(default_factory=Light)
+    emission: dict[str, Spectrum] = field(default_factory=dict)
 
 
 def list_stacks() -> list[Stack]:
@@ -50,7 +53,7 @@ def read_stack(
 
     A file has `title`, `layers` (from the lamps up), `extent`, `extends` (a preset or another file
     beside it) and a table `[value]` of `name = number` (tagged `given`) or `name = {value, tag,
-    source}`, and a table `[light]` with `polarised`. `thickness` [mm] and `overrides` (names with
+    source}`, and a table `[light]` (`light`). `thickness` [mm] and `overrides` (names with
     unit suffix, `extent`, or `light`) are `given`.
 
     Raises
@@ -71,7 +74,8 @@ def _read_stack(
     if "extent" in given:
         text.extent = given.pop("extent")
     if "light" in given:
-        text.polarised = _polarised(f"{where}: stack.override.light", given.pop("light"))
+        at = f"{where}: stack.override.light"
+        text.light = read_light(at, None, given.pop("light"), text.light)
     if thickness is not None:
         given["thickness_mm"] = thickness
     text.value.update(_flat(f"{where}: stack.override", given))
@@ -80,10 +84,7 @@ def _read_stack(
         raise InputError(f"{where}: extent: {text.extent!r}: expected one of {', '.join(EXTENTS)}")
     layers, own = _read_layers(where, text)
     _, wavelength = text.value.get("light_wavelength_nm", ("", DEFAULT_WAVELENGTH_NM))
-    quantity = {
-        key: read_quantity(at, key, dispersed(at, key, entry, wavelength), own, text.spec)
-        for key, (at, entry) in text.value.items()
-    }
+    quantity = _quantities(text, own, wavelength, "light_wavelength_nm")
     missing = [key for key in ranges_with(text.spec) if key not in quantity]
     if missing:
         raise InputError(
@@ -91,13 +92,39 @@ def _read_stack(
         )
     stack = Stack(
         Path(where).stem, text.title, layers, quantity, extent, own, tables=text.table,
-        spec=text.spec, polarised=text.polarised,
+        spec=text.spec, polarised=text.light.polarised,
     )  # fmt: skip
     check_layers(where, stack)
     stack = derive(where, stack)
     check_made(where, stack)
     stack.source.check(where)
-    return stack
+    value = _at_bands(where, text, stack)
+    return replace(stack, bands=build_bands(where, text.light, text.emission, value))
+
+
+def _quantities(text: _Text, own: dict[str, Any], wavelength: object, of: str) -> Any:
+    """Return every value that is stated, laws of dispersion at a wavelength [nm]."""
+    return {
+        key: read_quantity(at, key, dispersed(at, key, entry, wavelength, of), own, text.spec)
+        for key, (at, entry) in text.value.items()
+    }
+
+
+def _at_bands(where: str, text: _Text, stack: Stack) -> dict[str, tuple[float, ...]]:
+    """Return the values that differ from one band to another, by name, what follows among them."""
+    at_band = []
+    for wavelength in text.light.bands or ():
+        quantity = _quantities(text, stack.own, wavelength, "light.bands")
+        if "light_wavelength_nm" in stack.quantity:
+            stated = stack.quantity["light_wavelength_nm"]
+            quantity["light_wavelength_nm"] = replace(stated, value=wavelength)
+        at_band.append(derive(where, replace(stack, quantity=quantity)))
+    differing = {}
+    for key in stack.quantity if at_band else ():
+        values = tuple(one[key] for one in at_band)
+        if len({stack[key], *values}) > 1 and key != "light_wavelength_nm":
+            differing[key] = values
+    return differing
 
 
 def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, Any]]:
@@ -112,6 +139,9 @@ def _read_layers(where: str, text: _Text) -> tuple[tuple[str, ...], dict[str, An
             if name in names:
                 raise InputError(f"{where}: layers: {name}: name: expected once")
             own[name] = layer
+            if layer.kind == CONVERTER:
+                at = f"{where}: layers: {name}.emission"
+                text.emission[name] = read_spectrum(at, text.folder, entry.get("emission"))
             if layer.kind == "bsdf":
                 text.table[name] = read_bsdf_layer(f"{where}: layers: {name}", text.folder, entry)
         names.append(name)
@@ -173,20 +203,10 @@ def _read(name: str | Path, seen: set[str]) -> _Text:
     if "source" in table:
         text.spec = read_spec(where, path.parent, table["source"])
     if "light" in table:
-        text.polarised = _polarised(f"{where}: light", table["light"])
+        text.light = read_light(f"{where}: light", path.parent, table["light"], text.light)
     text.title = str(table.get("title", text.title))
     text.extent = table.get("extent", text.extent)
     return text
-
-
-def _polarised(where: str, entry: object) -> bool:
-    """Return whether a table `light` asks for polarised light."""
-    if not isinstance(entry, Mapping) or set(entry) - {"polarised"}:
-        raise InputError(f"{where}: {entry!r}: expected a table with polarised")
-    polarised = entry.get("polarised", False)
-    if not isinstance(polarised, bool):
-        raise InputError(f"{where}.polarised: {polarised!r}: expected true or false")
-    return polarised
 
 
 def _extended(where: str, name: str | Path, seen: set[str]) -> _Text:

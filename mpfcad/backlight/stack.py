@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Literal
 
 from mpfcad.backlight.bsdf_layer import BsdfLayer
-from mpfcad.backlight.layer import FILM_KINDS, LAYERS, Layer
+from mpfcad.backlight.layer import CONVERTER, FILM_KINDS, LAYERS, Layer
+from mpfcad.backlight.light import light_inputs
 from mpfcad.backlight.quantity import (
     FILM_RANGES,
     LIGHT_RANGES,
@@ -16,6 +17,7 @@ from mpfcad.backlight.quantity import (
     ranges_with,
 )
 from mpfcad.backlight.source import LightSource, Period, SourceSpec, TubeSpec
+from mpfcad.spectrum import Bands, weighs_only
 
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 Extent = Literal["pitch", "panel"]
@@ -49,6 +51,8 @@ class Stack:
         the kind of light source, and what of it is no number
     polarised
         whether light is traced with Stokes vectors
+    bands
+        the wavelengths at which light is traced, if it is at more than one
     """
 
     name: str
@@ -61,6 +65,7 @@ class Stack:
     prism: Path | None = None
     spec: SourceSpec = field(default_factory=TubeSpec)
     polarised: bool = False
+    bands: Bands | None = None
 
     def __getitem__(self, name: str) -> float:
         """Return a value in the unit of its name."""
@@ -117,10 +122,15 @@ class Stack:
 
     @property
     def resin_differs(self) -> bool:
-        """Whether the film's fill is of another index or absorption than its prisms."""
+        """Whether the film's fill has another index or absorption than its prisms, at any band."""
+        slot = self.slot
+        own = f"{slot}." if slot in self.own else "film_"
+        keys = [k for k in ("index", "absorption_per_mm") if f"resin_{k}" in self.quantity]
+        at_bands = {} if self.bands is None else self.bands.value
         return any(
-            self.get(f"resin_{key}", prisms) != prisms
-            for key, prisms in ((k, self.of_film(k)) for k in ("index", "absorption_per_mm"))
+            self[f"resin_{key}"] != self.of_film(key)
+            or at_bands.get(f"resin_{key}") != at_bands.get(f"{own}{key}")
+            for key in keys
         )
 
     @property
@@ -165,6 +175,11 @@ class Stack:
         """Names of the layers that are BSDF tables."""
         return [layer for layer in self.layers if layer in self.tables]
 
+    @property
+    def converters(self) -> list[str]:
+        """Names of the layers that convert light from one wavelength to others."""
+        return [name for name in self.layers if self.kind_of(name) == CONVERTER]
+
     def files(self) -> dict[str, Path]:
         """Return the meshes of films beside the job's, by the layer's name."""
         return {name: Path(layer.file) for name, layer in self.own.items() if layer.file}
@@ -188,8 +203,32 @@ class Stack:
         return bare.with_prism(mesh) if bare.needs_prism else bare
 
     def with_values(self, values: dict[str, Quantity]) -> "Stack":
-        """Return the stack with some quantities replaced."""
-        return replace(self, quantity={**self.quantity, **values})
+        """Return the stack with some quantities replaced.
+
+        One that is not the same at all bands changes there by the same factor.
+        """
+        bands = self.bands
+        if bands is not None and set(values) & set(bands.value):
+            kept = dict(bands.value)
+            for key in set(values) & set(kept):
+                old, found = self[key], kept.pop(key)
+                if old > 0:
+                    kept[key] = tuple(one * values[key].value / old for one in found)
+            bands = replace(bands, value=kept)
+        return replace(self, quantity={**self.quantity, **values}, bands=bands)
+
+    def at_band(self, number: int) -> "Stack":
+        """Return the stack at the wavelength of one of its bands, which it keeps."""
+        bands = self.bands
+        if bands is None:
+            return self
+        at = {key: found[number] for key, found in bands.value.items()}
+        if bands.separate and "light_wavelength_nm" in self.quantity:
+            at["light_wavelength_nm"] = bands.wavelength[number]
+        quantity = {**self.quantity}
+        for key, value in at.items():
+            quantity[key] = replace(quantity[key], value=value)
+        return replace(self, quantity=quantity)
 
     def inputs(self) -> list[dict[str, object]]:
         """Return each number in use as {name, value, tag, source}, the usual ones first."""
@@ -206,11 +245,22 @@ class Stack:
         tables = [{"name": k, **table.describe_source()} for k, table in self.tables.items()]
         return [*numbers, *self.spec.inputs(), *tables, *self._light()]
 
+    def _flat(self) -> list[str]:
+        """Return the values in use that could differ at the bands and do not."""
+        if self.bands is None:
+            return []
+        return [
+            key for key, found in self.quantity.items()
+            if key not in self.bands.value and found.value > 0 and weighs_only(key)
+        ]  # fmt: skip
+
     def _light(self) -> list[dict[str, object]]:
         """Return how light is traced, where it is not as in the thesis."""
         said = "Stokes vectors along the path"
         light: dict[str, object] = {"name": "light.polarised", "value": "true", "tag": "given"}
-        return [light | {"source": said}] if self.polarised else []
+        return (
+            [light | {"source": said}] if self.polarised else light_inputs(self.bands, self._flat())
+        )
 
 
 def stack_file(layer: str) -> str:

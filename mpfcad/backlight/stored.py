@@ -5,6 +5,7 @@ from typing import Any
 
 from mpfcad.backlight.bsdf_layer import restore_bsdf_layer
 from mpfcad.backlight.layer import Layer
+from mpfcad.backlight.light import describe_bands, restore_bands
 from mpfcad.backlight.quantity import Quantity
 from mpfcad.backlight.source import restore_spec
 from mpfcad.backlight.stack import Stack, stack_file
@@ -18,6 +19,7 @@ def describe_stack(stack: Stack) -> dict[str, Any]:
         "title": stack.title,
         **({"source": source} if source else {}),
         **({"polarised": True} if stack.polarised else {}),
+        **({} if stack.bands is None else {"bands": describe_bands(stack.bands)}),
         "layers": list(stack.layers),
         "quantity": {name: asdict(entry) for name, entry in stack.quantity.items()},
         "tables": {name: table.describe() for name, table in stack.tables.items()},
@@ -37,5 +39,5 @@ def restore_stack(document: dict[str, Any]) -> Stack:
     return Stack(
         document["name"], document["title"], tuple(document["layers"]), quantity,
         document["extent"], own, tables, spec=restore_spec(document.get("source", {})),
-        polarised=document.get("polarised", False),
+        polarised=document.get("polarised", False), bands=restore_bands(document.get("bands")),
     )  # fmt: skip

@@ -40,6 +40,8 @@ WIDTHS: tuple[tuple[str, _Kind], ...] = (
     ("specular_fraction", _Kind(0.1, False, "share of the mirrored light, rarely stated")),
     ("scattering_per_mm", _Kind(0.1, True, "fitted to a haze")),
     ("asymmetry", _Kind(0.02, False, "fitted to a haze")),
+    ("absorptance", _Kind(0.1, True, "spectrum of a data sheet")),
+    (".yield", _Kind(0.05, False, "quantum yield of a data sheet")),
     ("absorption_per_mm", _Kind(0.3, True, "too small for a data sheet")),
     ("roughness", _Kind(0.3, True, "a facet's slope, rarely measured")),
     ("sheet_sigma", _SHEET),

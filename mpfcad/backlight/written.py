@@ -20,13 +20,14 @@ def stack_tables(stack: Stack) -> dict[str, Any]:
     Raises
     ------
     InputError
-        when it has layers with values or files of their own, particles, or no tubes.
+        when it has layers with values or files of their own, particles, bands, or no tubes.
     """
     particles = any("particle" in name for name in stack.quantity)
-    if stack.own or stack.tables or particles or stack.spec.kind != TubeSpec.kind:
+    named = not (stack.own or stack.tables or particles or stack.bands)
+    if not named or stack.spec.kind != TubeSpec.kind:
         raise InputError(
-            f"{stack.name}: layers with values of their own, BSDF tables, particles or LEDs: "
-            "expected a backlight of named layers over tubes"
+            f"{stack.name}: layers with values of their own, BSDF tables, particles, bands or "
+            "LEDs: expected a backlight of named layers over tubes"
         )
     value = {name: quantity_table(entry) for name, entry in stack.quantity.items()}
     light = {"light": {"polarised": True}} if stack.polarised else {}

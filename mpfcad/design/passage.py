@@ -54,7 +54,7 @@ def _to_film(scene, film, e, up, x, dx, dy, dz, flow, rng):
         if e == film:
             return (BELOW if up else ABOVE), x, dx, dy, weight, radiance
         way, x, y, dx, dy, dz, weight, found = pass_element(
-            scene, e, up, x, y, 0.0, dx, dy, dz, NO_LAMP, weight, flow, None, None, rng
+            scene, e, up, x, y, 0.0, dx, dy, dz, NO_LAMP, weight, flow, None, None, None, rng
         )
         radiance += found
         if way == 0:
@@ -133,6 +133,7 @@ def trace_film(
                 NO_LAMP,
                 1.0,
                 flow,
+                None,
                 None,
                 None,
                 rng,

@@ -177,7 +177,7 @@ class ResinTable(Table):
 
 
 class GateTable(Table):
-    """`[gates]`: the limits of the lamp-Mura contrast, and of what the screen prints."""
+    """`[gates]`: the limits of the lamp-Mura contrast, of colour, and of what the screen prints."""
 
     contrast_pass: Annotated[Positive, Field(le=1)] = 0.012
     contrast_marginal: Annotated[Positive, Field(le=1)] = 0.018
@@ -187,6 +187,7 @@ class GateTable(Table):
     ripple_luminance: Annotated[Positive, Field(le=1)] = 0.005
     registration_curvature_per_mm: Positive = 1.0
     confidence_min: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] | None = None
+    colour_max: Annotated[Positive, Field(le=1)] | None = None
 
     @model_validator(mode="after")
     def _order(self) -> "GateTable":

@@ -19,6 +19,7 @@ from mpfcad.measure.cell.luminance import (
 )
 from mpfcad.measure.cell.spread import SpreadResult, led_spread
 from mpfcad.measure.checkpoint import Checkpoints
+from mpfcad.measure.colour.screen import ColourResult, refuse_uncoloured, screen_colour
 from mpfcad.measure.contrast.contrast import contrast_of_curve
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
@@ -47,6 +48,7 @@ __all__ = [
     "CameraResult",
     "CellResult",
     "Checkpoints",
+    "ColourResult",
     "ConoscopeResult",
     "CurveFit",
     "Estimate",
@@ -81,8 +83,10 @@ __all__ = [
     "panel_luminance",
     "polarisation",
     "reach",
+    "refuse_uncoloured",
     "refuse_unpolarised",
     "relative_spread",
+    "screen_colour",
     "screen_uniformity",
     "survey_directions",
     "threshold_contrast",

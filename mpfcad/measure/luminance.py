@@ -16,8 +16,6 @@ from mpfcad.measure.rounds import Lit, TraceRun, Trail, trace_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
-    from mpfcad.optics.element import Element
-    from mpfcad.optics.scene import Scene
 
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
@@ -162,7 +160,7 @@ def luminance_over_pitch(
         tuple(contrasts_of_pitches(curve, run.seed)) if lit.is_finite else (),
         judged,
         lit.spot,
-        _energy(lit.scene, lit.elements, run.seed, run.threads),
+        _energy(lit, run.seed, run.threads),
         tally.total_paths,
         lit.accelerator,
         np.array(trail.rows),
@@ -173,22 +171,23 @@ def _ends(estimate: Estimate) -> tuple[float, float, float]:
     return estimate.value, estimate.low, estimate.high
 
 
-def _energy(
-    scene: "Scene", elements: "list[Element]", seed: int, threads: int
-) -> dict[str, object]:
-    """Return where the lamps' light goes, from a forward trace, as shares of what they emit."""
+def _energy(lit: Lit, seed: int, threads: int) -> dict[str, object]:
+    """Return where the lamps' light goes, from a forward trace, as shares of what they emit.
+
+    In bands it is the light of the stack's one wavelength.
+    """
     from mpfcad.optics.base.recorder import FLOWS
     from mpfcad.optics.engine import trace
     from mpfcad.optics.source import LAMPS, Source
 
     tally = trace(
-        scene, Source(LAMPS, np.zeros(1), 0.0), _ENERGY_BLOCKS, seed=seed, threads=threads
+        lit.scene, Source(LAMPS, np.zeros(1), 0.0), _ENERGY_BLOCKS, seed=seed, threads=threads
     )
     share = dict(zip(FLOWS, map(float, tally.fraction), strict=False))
     error = dict(zip(FLOWS, map(float, tally.fraction_error), strict=False))
     absorbed = {"lamps": share["lamps"]}
     absorbed.update({name: share[name] for name in ("walls", "rim") if share[name] > 0})
-    for element, part in zip(elements, tally.fraction[len(FLOWS) :], strict=True):
+    for element, part in zip(lit.elements, tally.fraction[len(FLOWS) :], strict=True):
         if part > 0:
             absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)
     total = sum(absorbed.values())

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mpfcad.optics.scene import Scene
     from mpfcad.optics.solid.mesh import FilmMesh
     from mpfcad.optics.source import Source
+    from mpfcad.optics.spectral.engine import Spectral
 
 _LEAST_PATHS = 270_000
 #: Largest share of the paths that may end nowhere.
@@ -104,6 +105,8 @@ class Lit:
         of the luminance meter, whole grooves of the film
     notes
         a line of what was read of the film's file
+    spectral
+        the scene in bands, where the stack states them
     """
 
     stack: Stack
@@ -113,6 +116,7 @@ class Lit:
     name: str
     spot: Spot
     notes: list[str] = field(default_factory=list)
+    spectral: "Spectral | None" = None
 
     @property
     def accelerator(self) -> str:
@@ -146,6 +150,7 @@ def light_film(
     InputError
         when the mesh cannot be read or traced.
     """
+    from mpfcad.backlight.band_scene import lower_bands
     from mpfcad.backlight.lower import lower_stack, read_film
     from mpfcad.optics.scene import build_scene
     from mpfcad.optics.solid.mesh import FilmMesh
@@ -164,7 +169,8 @@ def light_film(
     notes = [] if mesh is None else [mesh.note]
     if spot.is_rounded:
         notes.append(spot.note)
-    return Lit(stack, elements, scene, case, str(mesh_path or stack.name), spot, notes)
+    spectral = lower_bands(stack, mesh, offset, elements)
+    return Lit(stack, elements, scene, case, str(mesh_path or stack.name), spot, notes, spectral)
 
 
 def _by_value(stack: Stack) -> list[Any]:
@@ -199,7 +205,7 @@ def trace_rounds(
         when more than 1e-6 of the paths are lost, and no gate judges them.
     """
     from mpfcad.optics.base.recorder import FLOWS, Tally
-    from mpfcad.optics.engine import BLOCK, trace
+    from mpfcad.optics.engine import BLOCK
 
     points = len(source.position)
     limit = run.path_limit
@@ -221,8 +227,8 @@ def trace_rounds(
             more = max(more, least_blocks)
         state = TraceState(tally.total_paths, limit, error, goal, figure, start)
         watch = Watch(run.progress, state, points * BLOCK)
-        tally = tally + trace(
-            lit.scene, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
+        tally = tally + trace_lit(
+            lit, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
             after_block=watch.block if run.progress else None,
         )  # fmt: skip
         run.checkpoints.write(case, tally, trail.rows)
@@ -235,6 +241,20 @@ def trace_rounds(
             f"{lit.name}: {lost:.2e} of the paths were lost: expected at most {LOST_LIMIT:g}"
         )
     return tally
+
+
+def trace_lit(lit: Lit, source: "Source", blocks: int, **how: Any) -> "Tally":
+    """Return the tally of blocks of paths, in bands where a meter looks at a stack that has them.
+
+    Light that starts elsewhere is traced at the stack's one wavelength. `how` as of `engine.trace`.
+    """
+    from mpfcad.optics.engine import trace
+    from mpfcad.optics.source import EYE
+    from mpfcad.optics.spectral.engine import trace_luminance
+
+    if lit.spectral is not None and source.kind == EYE:
+        return trace_luminance(lit.spectral, source, blocks, **how)
+    return trace(lit.scene, source, blocks, **how)
 
 
 def relative_error(tally: "Tally") -> float:

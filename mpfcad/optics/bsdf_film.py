@@ -141,6 +141,7 @@ def _trace_bin(scene, size, bins, side, i, rays, seed, rng, flow, number):
             flow,
             None,
             None,
+            None,
             rng,
         )
         if way == 0:

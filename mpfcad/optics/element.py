@@ -14,12 +14,13 @@ from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 from mpfcad.optics.solid.mesh import FilmMesh
+from mpfcad.optics.spectral.converter import Converter
 from mpfcad.optics.stokes.mueller import MuellerLayer
 from mpfcad.optics.stokes.plane import PlaneLayer
 from mpfcad.sound import refuse_unsound
 
 #: Kinds as the kernels know them.
-CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM, CELL_FILM, PLANE, MUELLER = range(9)
+CAVITY, SLAB, SHEET, FILM, BSDF, LIBRARY_FILM, CELL_FILM, PLANE, MUELLER, CONVERTER = range(10)
 #: The column of a BSDF sheet in `Scene.parameter`: the row of its table.
 TABLE = 0
 #: Tiles of a film's mesh that a cell must hold for the film to be called even.
@@ -90,6 +91,11 @@ class Slab(Mirrored):
         (STEPS+1,) float64, cosines at equal steps of probability in place of `asymmetry`
     index_below
         that of the medium under it: 1, or the slab's on which it is bonded
+    delay
+        of a uniaxial plate, by how much light polarised along its axis falls behind: phase a path
+        across the axis [rad/mm]
+    axis
+        angle [rad] of that axis from y, anticlockwise seen from above
     """
 
     index: float
@@ -101,11 +107,18 @@ class Slab(Mirrored):
     name: str = "plate"
     phase: NDArray[np.float64] | None = None
     index_below: float = 1.0
+    delay: float = 0.0
+    axis: float = 0.0
+
+    def is_mirrored(self, period: float) -> bool:
+        """Tell whether it has no axis, or one along y or across."""
+        return self.delay == 0.0 or abs(math.sin(2.0 * self.axis)) < 1e-12
 
     def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}.axis", self.axis)
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.index_below", self.index_below, 1.0)
-        for name in ("thickness", "scattering", "absorption"):
+        for name in ("thickness", "scattering", "absorption", "delay"):
             refuse_unsound(f"{self.name}.{name}", getattr(self, name), 0.0)
         refuse_unsound(f"{self.name}.asymmetry", self.asymmetry, -1.0, 1.0)
 
@@ -271,4 +284,7 @@ class BsdfSheet(Mirrored):
         refuse_unsound(f"{self.name}.blend", self.blend, 0.0, 1.0)
 
 
-Element = Cavity | Board | Slab | Sheet | Film | BsdfSheet | LibraryFilm | PlaneLayer | MuellerLayer
+Element = (
+    Cavity | Board | Slab | Sheet | Film | BsdfSheet | LibraryFilm | PlaneLayer | MuellerLayer
+    | Converter
+)  # fmt: skip

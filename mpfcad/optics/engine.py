@@ -32,6 +32,7 @@ from mpfcad.optics.film.passage import (
     FLIPPED,
     INDEX,
     INDEX_BELOW,
+    MEASURED,
     OFFSET,
     RESIN_INDEX,
     ROUGHNESS,
@@ -47,6 +48,7 @@ from mpfcad.optics.score.state import begin_scores, see, settle
 from mpfcad.optics.search.tile import BVH, GRID, SECTION
 from mpfcad.optics.search.tile_table import tile_of
 from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
+from mpfcad.optics.spectral.hue import look_at
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.stokes.engine import trace_block
 from mpfcad.optics.wave import Wave, enqueue, longest_queue
@@ -74,7 +76,7 @@ def _begin(scene, source, seed, stream, path, slot, number, wave):
 
 
 @kernel
-def _refill(scene, source, seed, stream, first, started, slots, count, wave, score):
+def refill(scene, source, seed, stream, first, started, slots, count, wave, score):
     """Put new paths into free slots while there are any of `count`; return the next's number."""
     slots = slots[: min(len(slots), count - started)]
     begin_scores(score, slots)
@@ -89,7 +91,7 @@ def _refill(scene, source, seed, stream, first, started, slots, count, wave, sco
 
 
 @kernel
-def pass_queue(scene, e, rays, wave, flow, score):
+def pass_queue(scene, e, rays, wave, flow, score, hue):
     """Follow the rays that wait before element e through it, the first ones in lanes."""
     eight = 0
     if scene.kind[e] == FILM:
@@ -97,25 +99,26 @@ def pass_queue(scene, e, rays, wave, flow, score):
         # Films that absorb, of two materials, rough, or with resin that scatters: ray by ray.
         film = scene.parameter[e]
         smooth = film[ROUGHNESS] == 0.0 and film[RESIN_INDEX] == 0.0
-        clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0 and smooth
+        clear = film[SCATTERING] == 0.0 and film[ABSORPTION] == 0.0 and film[MEASURED] == 0.0
         layered = tile.accelerator != SECTION or len(tile.layers.part) > 0
-        if tile.accelerator != BVH and layered and clear:
+        if tile.accelerator != BVH and layered and clear and smooth:
             _pass_film(tile, scene.parameter[e], rays, wave)
             eight = len(rays)
     elif scene.kind[e] == CAVITY:
-        eight = pass_cavity_queue(scene, rays, wave, flow, score)
-    _pass_one_by_one(scene, e, rays[eight:], wave, flow, score)
+        eight = pass_cavity_queue(scene, rays, wave, flow, score, hue)
+    _pass_one_by_one(scene, e, rays[eight:], wave, flow, score, hue)
 
 
 @kernel
-def _pass_one_by_one(scene, e, rays, wave, flow, score):
+def _pass_one_by_one(scene, e, rays, wave, flow, score, hue):
     """Follow rays through an element of any kind."""
     for slot in rays:
         p = wave.place[slot]
+        look_at(hue, wave, slot)
         before = 1.0 if scene.kind[e] == CAVITY else wave.weight[slot]
         way, p[0], p[1], p[3], p[4], p[5], wave.weight[slot], found = pass_element(
             scene, e, wave.upward[slot] != 0, p[0], p[1], p[2], p[3], p[4], p[5],
-            wave.lamp[slot], wave.weight[slot], flow, None, score, wave.rng[slot],
+            wave.lamp[slot], wave.weight[slot], flow, None, score, hue, wave.rng[slot],
         )  # fmt: skip
         wave.way[slot] = way
         wave.lamp[slot] = NO_LAMP
@@ -158,12 +161,13 @@ def _pass_film(tile, film, rays, wave):
 
 
 @kernel
-def go_on(scene, e, slot, wave, flow, score):
+def go_on(scene, e, slot, wave, flow, score, hue):
     """Move a ray that has left element e before the next; return whether its path goes on."""
     way = wave.way[slot]
+    look_at(hue, wave, slot)
     e, wave.weight[slot], found = next_element(
         scene, e, way, wave.place[slot, 0], wave.place[slot, 1], wave.weight[slot], flow,
-        wave.rng[slot],
+        hue, wave.rng[slot],
     )  # fmt: skip
     wave.radiance[slot] += found
     see(score, wave, slot, found)
@@ -185,7 +189,7 @@ def follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, 
     for slot in range(free):
         freed[slot] = slot
     while True:
-        started = _refill(
+        started = refill(
             scene, source, seed, stream, first, started, freed[:free], len(radiance), wave, score
         )
         free = 0
@@ -196,11 +200,11 @@ def follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, 
         for i in range(waiting):
             rays[i] = wave.queue[e, i]
         wave.length[e] = 0
-        pass_queue(scene, e, rays, wave, flow, score)
+        pass_queue(scene, e, rays, wave, flow, score, None)
         is_under_gate = e + 1 == net.gate
         for i in range(waiting):
             slot = uint64(rays[i])
-            goes_on = go_on(scene, e, slot, wave, flow, score)
+            goes_on = go_on(scene, e, slot, wave, flow, score, None)
             if is_under_gate:
                 caught = catch(net, scene.wall, wave, slot, caught)
             if goes_on:

@@ -19,6 +19,7 @@ from mpfcad.optics.element import (
     BSDF,
     CAVITY,
     CELL_FILM,
+    CONVERTER,
     FILM,
     LIBRARY_FILM,
     MUELLER,
@@ -36,6 +37,8 @@ from mpfcad.optics.element import (
 )
 from mpfcad.optics.film import passage as film
 from mpfcad.optics.library.top import CellTops
+from mpfcad.optics.spectral import converter
+from mpfcad.optics.spectral.converter import Converter
 from mpfcad.optics.stokes import mueller, plane
 from mpfcad.optics.stokes.mueller import MuellerLayer
 from mpfcad.optics.stokes.plane import PlaneLayer
@@ -137,7 +140,11 @@ def _board_columns(placed: Board, shared: Shared) -> Mapping[int, float]:
 
 
 def _slab_columns(plate: Slab, shared: Shared) -> Mapping[int, float]:
+    cosine, sine = quadrant(plate.axis)
     return {
+        slab.DELAY: plate.delay,
+        slab.AXIS_X: -sine,
+        slab.AXIS_Y: cosine,
         slab.INDEX: plate.index,
         slab.THICKNESS: plate.thickness,
         slab.SCATTERING: plate.scattering,
@@ -229,6 +236,10 @@ def _plane_columns(layer: PlaneLayer, shared: Shared) -> Mapping[int, float]:
     }
 
 
+def _converter_columns(thin: Converter, shared: Shared) -> Mapping[int, float]:
+    return {converter.INDEX: thin.index, converter.DEPTH: thin.depth}
+
+
 def _mueller_columns(layer: MuellerLayer, shared: Shared) -> Mapping[int, float]:
     cosine, sine = quadrant(layer.axis)
     entries = {mueller.MATRIX + at: m for at, m in enumerate(layer.matrix.ravel())}
@@ -245,4 +256,5 @@ _LOWERED: Mapping[type, tuple[int, Callable[..., Mapping[int, float]]]] = {
     BsdfSheet: (BSDF, _bsdf_columns),
     PlaneLayer: (PLANE, _plane_columns),
     MuellerLayer: (MUELLER, _mueller_columns),
+    Converter: (CONVERTER, _converter_columns),
 }

@@ -1,5 +1,8 @@
 """One ray's passage through one element of a scene, of whatever kind, with its weight."""
 
+import math
+
+from mpfcad.optics import slab
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.recorder import (
     FLOW_DOWN,
@@ -16,6 +19,7 @@ from mpfcad.optics.element import (
     BSDF,
     CAVITY,
     CELL_FILM,
+    CONVERTER,
     LIBRARY_FILM,
     MUELLER,
     PLANE,
@@ -23,12 +27,16 @@ from mpfcad.optics.element import (
     SLAB,
     TABLE,
 )
-from mpfcad.optics.film.passage import ABSORPTION, placed_film_passage
+from mpfcad.optics.film import passage as film
+from mpfcad.optics.film.passage import placed_film_passage
 from mpfcad.optics.library.cell_passage import placed_cell_passage
 from mpfcad.optics.library.passage import placed_library_passage
 from mpfcad.optics.score.state import PASSED, soak, weigh
 from mpfcad.optics.sheet import DEPOLARISATION, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
+from mpfcad.optics.spectral import converter
+from mpfcad.optics.spectral.converter import offer, slant
+from mpfcad.optics.spectral.hue import MATERIAL, RESIN, SURFACE, seen, stain, strike
 from mpfcad.optics.stokes.mueller import mueller_passage
 from mpfcad.optics.stokes.plane import plane_passage
 from mpfcad.optics.stokes.state import depolarise, fade, scatter_light
@@ -38,12 +46,12 @@ ENDED = -1
 
 
 @kernel
-def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
+def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng):
     """Follow a ray through element e: (way, x, y, dx, dy, dz, weight, radiance found).
 
     `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; z and lamp count for a path
-    that starts in the cavity. `light` is the state of polarised light, or None; `score`
-    what its path keeps for derivatives, or None.
+    that starts in the cavity. `light` is the state of polarised light, `score` what its path keeps
+    for derivatives, `hue` what it weighs at each band, or None.
     """
     kind = scene.kind[e]
     parameter = scene.parameter[e]
@@ -52,14 +60,15 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, s
     found = 0.0
     if kind == CAVITY:
         x, y, dx, dy, dz, weight, found = cavity_passage(
-            scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng
+            scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng
         )
         before = weight
     elif kind == SLAB:
-        way, x, y, dx, dy, dz, survival = slab_passage(
+        way, x, y, dx, dy, dz, travelled = slab_passage(
             scene.phase, parameter, up, x, y, dx, dy, dz, light, score, rng
         )
-        weight *= survival
+        weight *= math.exp(-parameter[slab.ABSORPTION] * travelled)
+        stain(hue, e, MATERIAL, travelled)
     elif kind == SHEET:
         kx, ky, kz = dx, dy, dz
         passed, dx, dy, dz = sheet_passage(parameter, dx, dy, dz, score, rng)
@@ -67,6 +76,7 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, s
         fade(light, 1.0 - parameter[DEPOLARISATION])
         weight *= parameter[TRANSMISSION]
         weigh(score, PASSED, 1.0 / parameter[TRANSMISSION])
+        strike(hue, e, SURFACE)
         way = 1 if passed == up else -1
     elif kind == BSDF:
         table = int(parameter[TABLE])
@@ -84,6 +94,12 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, s
         if light is not None:
             weight *= mueller_passage(parameter, dx, dy, dz, light)
             way = 1 if up else -1
+    elif kind == CONVERTER:
+        length = slant(parameter[converter.INDEX], dz)
+        offer(hue, e, parameter[converter.DEPTH], length, x, y, weight, rng)
+        weight *= math.exp(-parameter[converter.DEPTH] * length)
+        stain(hue, e, MATERIAL, length)
+        way = 1 if up else -1
     elif kind == LIBRARY_FILM:
         way, x, y, dx, dy, dz = placed_library_passage(
             scene.library, parameter, up, x, y, dx, dy, dz, light, rng
@@ -93,17 +109,22 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, s
             scene.cells, parameter, up, x, y, dx, dy, dz, light, rng
         )
     else:
-        way, x, y, dx, dy, dz, survival = placed_film_passage(
+        way, x, y, dx, dy, dz, travelled, soaked = placed_film_passage(
             scene.tiles, scene.phase, parameter, up, x, y, dx, dy, dz, light, rng
         )
+        survival = math.exp(
+            -parameter[film.ABSORPTION] * travelled - parameter[film.RESIN_ABSORPTION] * soaked
+        )
         weight *= survival
-        soak(score, parameter[ABSORPTION], survival)
+        soak(score, parameter[film.ABSORPTION], survival)
+        stain(hue, e, MATERIAL, travelled)
+        stain(hue, e, RESIN, soaked)
     flow[FLOW_ELEMENTS + e] += before - weight
     return way, x, y, dx, dy, dz, weight, found
 
 
 @kernel
-def next_element(scene, e, way, x, y, weight, flow, rng):
+def next_element(scene, e, way, x, y, weight, flow, hue, rng):
     """Return what a ray that has left element e meets: (element or `ENDED`, weight, radiance)."""
     if way == 0:
         flow[FLOW_LOST] += weight
@@ -118,8 +139,8 @@ def next_element(scene, e, way, x, y, weight, flow, rng):
     e += way
     if e < 0:
         flow[FLOW_DOWN] += weight
-        return ENDED, weight, weight * scene.below
+        return ENDED, weight, seen(hue, weight * scene.below)
     if e == len(scene.kind):
         flow[FLOW_UP] += weight
-        return ENDED, weight, weight * scene.above
+        return ENDED, weight, seen(hue, weight * scene.above)
     return e, weight, 0.0

@@ -109,17 +109,55 @@ def build_scene(
     InputError
         when the mesh of a film that is bonded or holds resin has no flat underside.
     """
+    return build_scenes([elements], below=below, above=above, polarised=polarised)[0]
+
+
+def build_scenes(
+    variants: list[list[Element]], *, below: float = 0.0, above: float = 0.0,
+    polarised: bool = False,
+) -> list[Scene]:  # fmt: skip
+    """Return the scenes of the same elements with other numbers; their meshes are built once.
+
+    Raises
+    ------
+    TraceError, InputError
+        as `build_scene`.
+    """
+    shared = Shared()
+    lowered = [_rows(elements, shared, polarised) for elements in variants]
+    first, walls = _built(variants[0], shared, below, above, polarised), map(_walls, variants)
+    return [
+        first._replace(kind=kind, parameter=parameter, wall=wall, lamp=lamp)
+        for (kind, parameter), (wall, lamp) in zip(lowered, walls, strict=True)
+    ]
+
+
+def _rows(
+    elements: list[Element], shared: Shared, polarised: bool
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the kinds and rows of checked elements."""
     _check_order(elements)
     for element in elements:
         if isinstance(element, PlaneLayer | MuellerLayer) and not polarised:
             raise TraceError(f"{element.name}: what acts on polarisation: needs polarised light")
-    shared = Shared()
     kind = np.zeros(len(elements), np.int64)
     parameter = np.zeros((len(elements), COLUMNS))
     for i, element in enumerate(elements):
         kind[i], parameter[i] = lower_element(element, shared)
+    return kind, parameter
+
+
+def _walls(elements: list[Element]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a finite panel's walls and lamps."""
     panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
-    wall, lamp = panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
+    return panel.arrays() if panel else (NO_WALL, np.zeros((0, 3)))
+
+
+def _built(
+    elements: list[Element], shared: Shared, below: float, above: float, polarised: bool
+) -> Scene:
+    """Return the scene of what elements share; their rows and walls are empty."""
+    panel = elements[0].panel if elements and isinstance(elements[0], Cavity) else None
     board = elements[0] if elements and isinstance(elements[0], Board) else None
     led = board.array() if board else np.zeros((0, 4))
     emission = board.emission.arrays() if board else Emission.none()
@@ -136,21 +174,9 @@ def build_scene(
     cells = build_cells(shared.cells.entries)
     sky = float(below), float(above)
     return Scene(
-        kind,
-        parameter,
-        table,
-        phase,
-        bsdf,
-        library,
-        cells,
-        wall,
-        lamp,
-        led,
-        emission,
-        length,
-        polarised,
-        *sky,
-    )
+        np.zeros(0, np.int64), np.zeros((0, COLUMNS)), table, phase, bsdf, library, cells,
+        NO_WALL, np.zeros((0, 3)), led, emission, length, polarised, *sky,
+    )  # fmt: skip
 
 
 def _check_order(elements: list[Element]) -> None:

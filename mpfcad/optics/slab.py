@@ -8,22 +8,25 @@ from mpfcad.optics.base.sampling import henyey_greenstein_slope, turn, uniform
 from mpfcad.optics.score.state import ABSORBED, SCATTERED, TURNED, draw, weigh
 from mpfcad.optics.stokes.interface import meet_interface
 from mpfcad.optics.stokes.state import depolarise
+from mpfcad.optics.stokes.uniaxial import delay
 
 #: The columns of a plate in `Scene.parameter`; `PHASE` is the row of its phase function or -1.
 INDEX, THICKNESS, SCATTERING, ABSORPTION, ASYMMETRY, BONDED, PHASE, INDEX_BELOW = range(8)
+#: Of a uniaxial plate: radians a mm, and the direction of its axis (`stokes.uniaxial`).
+DELAY, AXIS_X, AXIS_Y = range(8, 11)
 _MOST_STEPS = 1_000_000
 
 
 @kernel
 def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
-    """Follow a ray through a slab: (way, x, y, dx, dy, dz, survival).
+    """Follow a ray through a slab: (way, x, y, dx, dy, dz, travelled).
 
-    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `survival` the share of its
-    weight that the volume has not absorbed, exp(-absorption · path). Free paths between scatterings
-    are exponential of mean 1/scattering.
+    `way` is 1 when it leaves upward, -1 downward, 0 when it was lost; `travelled` [mm] its path
+    within, by which the volume absorbs. Free paths between scatterings are exponential of mean
+    1/scattering.
     """
-    index, thickness, scattering, absorption, asymmetry, bonded, row = (
-        parameter[INDEX], parameter[THICKNESS], parameter[SCATTERING], parameter[ABSORPTION],
+    index, thickness, scattering, asymmetry, bonded, row = (
+        parameter[INDEX], parameter[THICKNESS], parameter[SCATTERING],
         parameter[ASYMMETRY], parameter[BONDED] != 0.0, int(parameter[PHASE]),
     )  # fmt: skip
     # Below it is air, or the slab on which it is bonded.
@@ -36,7 +39,7 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
             abs(dz), outside / index, 0.0, 0.0, 1.0, dx, dy, dz, light, rng
         )
         if mirrored:
-            return (-1 if up else 1), x, y, dx, dy, -dz, 1.0
+            return (-1 if up else 1), x, y, dx, dy, -dz, 0.0
         dx, dy, dz = dx * outside / index, dy * outside / index, math.copysign(cos_out, dz)
     for _ in range(_MOST_STEPS):
         to_face = math.inf
@@ -50,6 +53,7 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
         if scattering > 0.0:
             draw(score, SCATTERED, (1.0 / scattering if free < to_face else 0.0) - step)
         travelled += step
+        delay(light, parameter[DELAY], parameter[AXIS_X], parameter[AXIS_Y], step, dx, dy, dz)
         x += step * dx
         y += step * dy
         if free < to_face:
@@ -63,13 +67,12 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
         top = dz > 0.0
         z = thickness if top else 0.0
         if top and bonded:
-            return 1, x, y, dx, dy, dz, math.exp(-absorption * travelled)
+            return 1, x, y, dx, dy, dz, travelled
         ratio = index if top else index / below
         mirrored, cos_out = meet_interface(abs(dz), ratio, 0.0, 0.0, 1.0, dx, dy, dz, light, rng)
         if mirrored:
             dz = -dz
             continue
-        survival = math.exp(-absorption * travelled)
         way = 1 if top else -1
-        return way, x, y, dx * ratio, dy * ratio, math.copysign(cos_out, dz), survival
-    return 0, x, y, dx, dy, dz, 1.0
+        return way, x, y, dx * ratio, dy * ratio, math.copysign(cos_out, dz), travelled
+    return 0, x, y, dx, dy, dz, 0.0

@@ -65,6 +65,8 @@ class MeasureSetting:
         of a cell of the panel's map over the mean
     polarisation
         of Q/I
+    colour
+        of u' and v' of a point, root mean square
     """
 
     direction: float
@@ -74,10 +76,11 @@ class MeasureSetting:
     pixel: float
     cell: float
     polarisation: float
+    colour: float
 
 
 MEASURE_SETTINGS = {
-    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015, 0.04, 0.001),
-    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006, 0.015, 0.0003),
-    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003, 0.005, 0.0001),
+    "quick": MeasureSetting(0.010, 0.03, 0.003, 0.005, 0.015, 0.04, 0.001, 0.001),
+    "standard": MeasureSetting(0.005, 0.01, 0.001, 0.002, 0.006, 0.015, 0.0003, 0.0003),
+    "final": MeasureSetting(0.002, 0.004, 0.0005, 0.0007, 0.003, 0.005, 0.0001, 0.0001),
 }

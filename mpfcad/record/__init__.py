@@ -6,6 +6,7 @@ values; `describe_…` does the same for single measures. Nothing here draws or 
 
 from mpfcad.gate import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
 from mpfcad.record.cell import describe_cell
+from mpfcad.record.colour import describe_colour
 from mpfcad.record.difference import Rounded, compare_records
 from mpfcad.record.file import ResinCheck
 from mpfcad.record.junit import check_junit, junit_report, write_junit
@@ -30,6 +31,7 @@ from mpfcad.record.verification import (
     Checks,
     build_gates,
     build_verification,
+    colour_gate,
     confidence_gate,
 )
 
@@ -47,11 +49,13 @@ __all__ = [
     "build_gates",
     "build_verification",
     "check_junit",
+    "colour_gate",
     "compare_records",
     "confidence_gate",
     "describe_angular",
     "describe_camera",
     "describe_cell",
+    "describe_colour",
     "describe_conoscope",
     "describe_contrast",
     "describe_estimate",

@@ -8,6 +8,7 @@ from mpfcad.gate import Gate, worst_of_each
 ORDER = (
     "lamp_mura_contrast",
     "confidence",
+    "colour_mura",
     "mask_file_as_written",
     "mask_aperture_ratio_error",
     "mask_rule_violations",

@@ -162,6 +162,15 @@ def confidence_gate(confidence: dict[str, Any], least: float) -> Gate:
     return Gate("confidence", found["value"], least, (low, high), at_least=True)
 
 
+def colour_gate(colour: dict[str, Any] | None, limit: float, traced: str) -> Gate:
+    """Return the gate of the colour Mura; without a trace it is not decided."""
+    if colour is None:
+        return Gate("colour_mura", None, limit, detail=f"{traced}: not traced")
+    found = colour["colour_mura"]
+    low, high = found["ci95"]
+    return Gate("colour_mura", found["value"], limit, (low, high))
+
+
 def build_verification(
     *,
     name: str,
@@ -180,6 +189,7 @@ def build_verification(
     survey: Survey | None = None,
     psf: dict[str, Any] | None = None,
     facets: list[dict[str, Any]] | None = None,
+    colour: dict[str, Any] | None = None,
     inputs: list[dict[str, Any]],
     process: dict[str, Any] | None,
     curvature: dict[str, Any] | None,
@@ -218,6 +228,7 @@ def build_verification(
         **({} if checks.crossed is None else {"crossed": _describe_crossed(checks.crossed)}),
         **({} if psf is None else {"psf": psf}),
         **({} if confidence is None else {"confidence": confidence}),
+        **({} if colour is None else {"colour": colour}),
         **({} if printed is None else {"printed": printed}),
         "inputs": inputs,
         "provenance": provenance,

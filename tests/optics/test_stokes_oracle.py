@@ -34,6 +34,9 @@ def elements(name, folder):
         case "plate":
             bonded = Slab(1.49, 2.0, 0.3, 0.0036, 0.8, bonded=True)
             return [CAVITY, bonded, Film(mesh, 1.55, 1.49, absorption=0.2)]
+        case "birefringent base":
+            base = Slab(1.64, 0.1, bonded=True, delay=50.0, axis=0.6)
+            return [DBEF, base, Film(mesh, 1.55, 1.64), LCD]
         case "turned":
             return [Film(mesh, 1.5, rotation=0.6), QUARTER, Film(mesh, 1.6, flipped=True)]
         case "pyramids":
@@ -58,6 +61,7 @@ def elements(name, folder):
         "mpf",
         "mpf under a sheet",
         "plate",
+        "birefringent base",
         "turned",
         "pyramids",
         "resin",

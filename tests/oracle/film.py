@@ -10,6 +10,7 @@ from oracle.ray import (
     about,
     cross,
     dot,
+    exp,
     facet_distance,
     minus,
     refract,
@@ -54,7 +55,7 @@ class ReferenceFilm:
         rng.turn(self.film.rotation)
         up, place, d = self._to_stack(up, place, d)
         depth = self.film.absorption * self.path[False] + self._resin_absorption * self.path[True]
-        return up, place, d, weight * math.exp(-depth), 0.0
+        return up, place, d, weight * exp(-depth), 0.0
 
     def _index(self, resin: bool) -> float:
         """Return the index of the prisms, or of the resin."""

@@ -116,6 +116,17 @@ class PolarisedPhilox(Philox):
         p = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
         self.light = self._meet(np.diag([-1.0, 1.0, -1.0]) @ p if flipped else p)
 
+    def delay(self, slab, d: Vector, step: float) -> None:
+        d, axis = np.array(d), np.array([-math.sin(slab.axis), math.cos(slab.axis), 0.0])
+        self._along(d)
+        sine2 = 1 - float(d @ axis) ** 2
+        late = axis - (d @ axis) * d
+        late /= np.linalg.norm(late)
+        early = np.cross(d, late)
+        phase = slab.delay * sine2 * step
+        both = cmath.exp(1j * phase) * np.outer(late, late) + np.outer(early, early)
+        self._take(self._meet(both))
+
     def splits(self, layer, d: Vector) -> tuple[bool, float]:
         """Return whether a ray passes a polariser or retarder, and what is left of its light."""
         d = np.array(d)

@@ -40,6 +40,9 @@ class Philox:
     def depolarise(self) -> None:
         """Make light unpolarised: this light always is (`PolarisedPhilox`)."""
 
+    def delay(self, slab, d: Vector, step: float) -> None:
+        """Delay light polarised along the axis of a uniaxial plate, over a path."""
+
     def mirror(self, n: Vector) -> None:
         """Reflect the light's state as a perfect mirror of normal n does."""
 
@@ -143,6 +146,11 @@ def facet_distance(corners: Sequence[Vector], o: Vector, d: Vector) -> float | N
     if u < 0 or v < 0 or u + v > 1:
         return None
     return dot(e2, q) / determinant
+
+
+def exp(x):
+    """Return e to the power of a number, or of one for each band (`oracle.bands`)."""
+    return x.exp() if hasattr(x, "exp") else math.exp(x)
 
 
 def disk(rng: Philox) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from oracle.ray import (
     cross,
     disk,
     dot,
+    exp,
     reflectance,
     refract,
     roulette,
@@ -142,7 +143,7 @@ class ReferenceTracer:
             face = ((slab.thickness if d[2] > 0 else 0.0) - z) / d[2]
             free = -math.log(1 - rng()) / slab.scattering if slab.scattering else math.inf
             step = min(face, free)
-            weight *= math.exp(-slab.absorption * step)
+            weight *= exp(-slab.absorption * step)
             rng.happens(slab, "absorption", lambda a, step=step: -a * step)
             meets = free < face
             rng.happens(
@@ -150,6 +151,7 @@ class ReferenceTracer:
                 lambda s, step=step, meets=meets: (math.log(s) if meets else 0.0) - s * step,
             )  # fmt: skip
             x, y, z = x + step * d[0], y + step * d[1], z + step * d[2]
+            rng.delay(slab, d, step)
             if free < face:
                 cosine = scattering_cosine(slab.phase, slab.asymmetry, rng())
                 rng.happens(

@@ -37,7 +37,7 @@ def command(
             "--what",
             metavar="A,B,…",
             help="What to measure: contrast, angular, conoscope, flux, uniformity, camera, panel, "
-            "polarisation, psf [default: all that the stack has].",
+            "polarisation, colour, psf [default: all that the stack has].",
         ),
     ] = None,
     seed: Seed = 1,

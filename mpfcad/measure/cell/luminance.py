@@ -94,7 +94,7 @@ def luminance_over_cell(
     value, error = cell_map(lit, meter, tally)
     return CellResult(
         (period.across, period.along), series, contrast, series.mean, value, error,
-        _energy(lit, tally), tally.paths, lit.accelerator, mirrored,
+        _energy(lit, _balance(lit, meter, run, tally)), tally.paths, lit.accelerator, mirrored,
     )  # fmt: skip
 
 
@@ -120,7 +120,8 @@ def compile_cell_tracer(lit: Lit) -> None:
     from mpfcad.optics.forward.connection import CellMeter
     from mpfcad.optics.forward.engine import trace_forward
 
-    trace_forward(lit.scene, CellMeter(lit.stack.acceptance, *lit.stack.period, BINS), 1)
+    meter = CellMeter(lit.stack.acceptance, *lit.stack.period, BINS)
+    trace_forward(lit.scene, meter, 1, spectral=lit.spectral)
 
 
 def cell_rounds(
@@ -153,7 +154,7 @@ def cell_rounds(
         watch = Watch(run.progress, state, BLOCK)
         part = trace_forward(
             lit.scene, meter, more, seed=run.seed, first=done, threads=run.threads,
-            after_block=watch.block if run.progress else None,
+            after_block=watch.block if run.progress else None, spectral=lit.spectral,
         )  # fmt: skip
         tally = part if tally is None else tally.plus(part)
     if run.progress:
@@ -182,7 +183,9 @@ def trace_terms(
 
     meter = CellMeter(lit.stack.acceptance, *lit.stack.period, BINS)
     blocks = max(_LEAST_BLOCKS, round(paths / BLOCK))
-    tally = trace_forward(lit.scene, meter, blocks, seed=seed, threads=threads)
+    tally = trace_forward(
+        lit.scene, meter, blocks, seed=seed, threads=threads, spectral=lit.spectral
+    )
     coefficient, covariance = _terms(lit, meter, tally)
     chosen = order @ (TERMS, 1)
     return coefficient[chosen], covariance[np.ix_(chosen, chosen)], tally.paths
@@ -236,6 +239,15 @@ def _share(tally: "CellTally", name: str) -> float:
     from mpfcad.optics.base.recorder import FLOWS
 
     return float(tally.flow[FLOWS.index(name)] / tally.paths)
+
+
+def _balance(lit: Lit, meter: "CellMeter", run: TraceRun, tally: "CellTally") -> "CellTally":
+    """Return the tally whose flows are light: in bands one of the stack's one wavelength."""
+    from mpfcad.optics.forward.engine import trace_forward
+
+    if lit.spectral is None:
+        return tally
+    return trace_forward(lit.scene, meter, _LEAST_BLOCKS, seed=run.seed, threads=run.threads)
 
 
 def _energy(lit: Lit, tally: "CellTally") -> dict[str, Any]:

@@ -24,6 +24,7 @@ from mpfcad.optics.cavity.endless import (
     lambertian,
     reflector_direction,
 )
+from mpfcad.optics.spectral.hue import EMITTER, HOLE, SURFACE, seen, strike
 from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
@@ -41,7 +42,7 @@ def led_luminance(scene, number, dx, dy, dz):
 
 
 @kernel
-def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng):
+def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, hue, rng):
     """Follow a ray over the board until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     parameter = scene.parameter[0]
     radiance = 0.0
@@ -51,9 +52,10 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng):
             return x, y, dx, dy, dz, weight, radiance
         if what in (LED_TOP, LED_SIDE):
             if what == LED_TOP:
-                radiance += weight * led_luminance(scene, number, -dx, -dy, -dz)
+                radiance += seen(hue, weight * led_luminance(scene, number, -dx, -dy, -dz))
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LED_REFLECTANCE])
             weight *= parameter[LED_REFLECTANCE]
+            strike(hue, 0, EMITTER)
             dx, dy, dz = lambertian(nx, ny, 1.0 if what == LED_TOP else 0.0, rng)
             depolarise(light)
         elif what == REFLECTOR:
@@ -67,6 +69,7 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng):
                 depolarise(light)
             else:
                 weight *= reflectance
+                strike(hue, 0, HOLE if hole else SURFACE)
                 share = 0.0 if hole else parameter[SPECULAR_FRACTION]
                 _, dx, dy, dz = reflector_direction(share, dx, dy, dz, light, rng)
             flow[FLOW_ELEMENTS] += before - weight

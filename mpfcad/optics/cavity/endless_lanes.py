@@ -32,6 +32,7 @@ from mpfcad.optics.cavity.endless import (
     lamp_hit,
 )
 from mpfcad.optics.score.state import settle_lanes
+from mpfcad.optics.spectral.hue import look_at, seen
 
 _MOST_MEETINGS = 1_000_000
 _FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST, _WEIGHT = range(6)
@@ -39,7 +40,7 @@ _LANE = np.arange(WIDE)
 
 
 @kernel
-def cavity_passages(cavity, slots, wave, sums, score):
+def cavity_passages(cavity, slots, wave, sums, score, hue):
     """Follow the rays of up to sixteen slots, which come from above, through an endless cavity.
 
     `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went,
@@ -54,7 +55,8 @@ def cavity_passages(cavity, slots, wave, sums, score):
         slot = slots[i]
         wave.weight[slot] = flow[i, _WEIGHT]
         wave.way[slot] = 1
-        wave.radiance[slot] += flow[i, _FOUND]
+        look_at(hue, wave, slot)
+        wave.radiance[slot] += seen(hue, flow[i, _FOUND])
         sums[FLOW_LAMPS] += flow[i, _LAMPS]
         sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
         sums[FLOW_ROULETTE] += flow[i, _ROULETTE]

@@ -44,13 +44,14 @@ from mpfcad.optics.score.state import (
     shine_by,
     weigh,
 )
+from mpfcad.optics.spectral.hue import EMITTER, SURFACE, WALL, seen, strike
 from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
 
 
 @kernel
-def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
+def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance).
 
     `lamp` is the emitter that the ray starts on, at (x, y, z), or `NO_LAMP`: it comes from above.
@@ -58,12 +59,12 @@ def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score,
     if lamp == NO_LAMP:
         z = scene.parameter[0, HEIGHT]
     if len(scene.led) > 0:
-        return over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, rng)
-    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng)
+        return over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, hue, rng)
+    return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng)
 
 
 @kernel
-def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, rng):
+def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance)."""
     parameter = scene.parameter[0]
     finite = len(scene.lamp) > 0
@@ -81,12 +82,13 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, r
         if what == LAMP:
             luminance = parameter[LAMP_LUMINANCE] * (scene.lamp[number, FACTOR] if finite else 1.0)
             if not first <= number <= last:
-                radiance += weight * luminance
+                radiance += seen(hue, weight * luminance)
                 shine(score, weight * luminance)
             first, last = NONE_COUNTED
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
             weigh(score, AT_LAMP, 1.0 / parameter[LAMP_REFLECTANCE])
+            strike(hue, 0, EMITTER)
             lamp = number
             nx = (x - centre) / parameter[LAMP_RADIUS]
             nz = (z - parameter[LAMP_HEIGHT]) / parameter[LAMP_RADIUS]
@@ -104,9 +106,10 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, r
             else:
                 weight *= parameter[REFLECTANCE]
                 weigh(score, AT_REFLECTOR, 1.0 / parameter[REFLECTANCE])
+                strike(hue, 0, SURFACE)
                 if not finite:
                     share, nearest, tilt = direct_light(parameter, x, dx, dz)
-                    radiance += weight * share * parameter[LAMP_LUMINANCE]
+                    radiance += seen(hue, weight * share * parameter[LAMP_LUMINANCE])
                     shine(score, weight * share * parameter[LAMP_LUMINANCE])
                     shine_by(score, MIRRORED, weight * tilt * parameter[LAMP_LUMINANCE])
                     first, last = int(nearest) - 1, int(nearest) + 1
@@ -122,13 +125,14 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, r
                 if finite:
                     gone = dx / math.sqrt(dx * dx + dz * dz)
                     surplus, tilt = panel_surplus(parameter, scene.lamp, x, come, gone)
-                    radiance += weight * surplus * parameter[LAMP_LUMINANCE]
+                    radiance += seen(hue, weight * surplus * parameter[LAMP_LUMINANCE])
                     shine(score, weight * surplus * parameter[LAMP_LUMINANCE])
                     shine_by(score, MIRRORED, weight * tilt * parameter[LAMP_LUMINANCE])
             flow[FLOW_ELEMENTS] += before - weight
         elif what in (WALL_ACROSS, WALL_ALONG):
             flow[FLOW_WALLS] += weight * (1.0 - scene.wall[WALL_REFLECTANCE])
             weight *= scene.wall[WALL_REFLECTANCE]
+            strike(hue, 0, WALL)
             lamp = NO_LAMP
             dx, dy, dz = wall_direction(
                 what, scene.wall[WALL_SPECULAR_FRACTION], dx, dy, dz, light, rng
@@ -138,6 +142,7 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, r
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LAMP_REFLECTANCE])
             weight *= parameter[LAMP_REFLECTANCE]
             weigh(score, AT_LAMP, 1.0 / parameter[LAMP_REFLECTANCE])
+            strike(hue, 0, EMITTER)
             lamp = number
             dx, dy, dz = lambertian(0.0, math.copysign(1.0, y), 0.0, rng)
             depolarise(light)

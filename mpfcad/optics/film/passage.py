@@ -17,25 +17,27 @@ from mpfcad.optics.stokes.state import depolarise, turn_light, turn_light_back
 INDEX, INDEX_BELOW, OFFSET, COSINE, SINE, FLIPPED, TILE, ABSORPTION = range(8)
 SCATTERING, ASYMMETRY, PHASE, PRISM, RESIN_INDEX, RESIN_ABSORPTION, THINNEST = range(8, 15)
 ROUGHNESS = 15
+#: Not 0: paths within are measured although nothing absorbs, for light of other bands.
+MEASURED = 16
 #: Meetings after which a ray counts as lost.
 MOST_HITS = 100_000
 
 
 @kernel
 def placed_film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
-    """Follow a ray through a film as it lies in the stack: (way, x, y, dx, dy, dz, survival).
+    """Follow a ray through a film as it lies: (way, x, y, dx, dy, dz, travelled, soaked).
 
     `parameter` is that of the film's element; `light` the state of polarised light, or None.
     """
     width = tiles.size[int(parameter[TILE]), 0]
     turn_light(light, parameter[COSINE], parameter[SINE], parameter[FLIPPED] != 0.0)
     up, x, y, dx, dy, dz = into_film(parameter, width, up, x, y, dx, dy, dz)
-    way, x, y, dx, dy, dz, survival = film_passage(
+    way, x, y, dx, dy, dz, travelled, soaked = film_passage(
         tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng
     )
     turn_light_back(light, parameter[COSINE], parameter[SINE], parameter[FLIPPED] != 0.0)
     way, x, y, dx, dy, dz = out_of_film(parameter, width, way, x, y, dx, dy, dz)
-    return way, x, y, dx, dy, dz, survival
+    return way, x, y, dx, dy, dz, travelled, soaked
 
 
 @kernel
@@ -67,16 +69,17 @@ def out_of_film(parameter, width, way, x, y, dx, dy, dz):
 
 @kernel
 def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
-    """Follow a ray through the film until it leaves it: (way, x, y, dx, dy, dz, survival).
+    """Follow a ray until it leaves the film: (way, x, y, dx, dy, dz, travelled, soaked).
 
     `up`: it comes from below, in a medium of the index below; else from the air above. `way` is
-    1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh). `survival` is the
-    share of its weight that prisms and resin have not absorbed, exp(-Σ absorption · path inside).
+    1 when it leaves upward, -1 downward, 0 when it was lost (a hole in the mesh). `travelled` and
+    `soaked` [mm] are its paths in prisms and in a resin of another material, which absorb by them
+    (`soak`); 0 where nothing absorbs.
     """
     tile = tile_of(tiles, int(parameter[TILE]))
     index, index_below, offset = parameter[INDEX], parameter[INDEX_BELOW], parameter[OFFSET]
     scatters, amid = parameter[SCATTERING] > 0.0, False
-    absorption, travelled = parameter[ABSORPTION], 0.0
+    absorbs, travelled = parameter[ABSORPTION] > 0.0 or parameter[MEASURED] != 0.0, 0.0
     # Of a resin of another material: whether the ray is in it, and how far it has flown there.
     resin_index, in_resin, soaked = parameter[RESIN_INDEX], False, 0.0
     filled = resin_index > 0.0
@@ -94,7 +97,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
     if up and tile.underside:
         entered, dx, dy, dz = underside(index_below, index, dx, dy, dz, light, rng)
         if not entered:
-            return -1, x + base_x, y + base_y, dx, dy, dz, 1.0
+            return -1, x + base_x, y + base_y, dx, dy, dz, 0.0, 0.0
         inside = True
     for _ in range(MOST_HITS):
         x0, y0, z0 = x, y, z
@@ -105,7 +108,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
                 tile, x, y, z, dx, dy, dz, k, inside
             )
         amid, meets, flown, reach = False, False, math.inf, 0.0
-        if inside and k != -2 and (scatters or filled or absorption > 0.0):
+        if inside and k != -2 and (scatters or filled or absorbs):
             reach, steep = (z0 / -dz if dz < 0.0 else 0.0), 1.0
             if k >= 0:
                 reach = (x + shift_x - x0) * dx + (y + shift_y - y0) * dy + (z - z0) * dz
@@ -136,7 +139,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
             base_x += shift_x
             base_y += shift_y
             if k == -2:
-                return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
+                return 0, x + base_x, y + base_y, dx, dy, dz, 0.0, 0.0
         if k >= 0 and not meets and filled:
             prism = tile_of(tiles, int(parameter[PRISM]))
             in_resin = is_resin(prism, x, z, parameter[THINNEST])
@@ -155,8 +158,7 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
             flight = max(0.0, ((tile.high if dz > 0.0 else 0.0) - z) / dz)
             way = 1 if dz > 0.0 else -1
             x, y = x + flight * dx + base_x, y + flight * dy + base_y
-            survival = math.exp(-absorption * travelled - parameter[RESIN_ABSORPTION] * soaked)
-            return way, x, y, dx, dy, dz, survival
+            return way, x, y, dx, dy, dz, travelled, soaked
         flight = z / -dz
         x += flight * dx
         y += flight * dy
@@ -167,9 +169,8 @@ def film_passage(tiles, phase, parameter, up, x, y, dx, dy, dz, light, rng):
         in_resin = False
         left, dx, dy, dz = underside(index, index_below, dx, dy, dz, light, rng)
         if left:
-            survival = math.exp(-absorption * travelled - parameter[RESIN_ABSORPTION] * soaked)
-            return -1, x + base_x, y + base_y, dx, dy, dz, survival
-    return 0, x + base_x, y + base_y, dx, dy, dz, 1.0
+            return -1, x + base_x, y + base_y, dx, dy, dz, travelled, soaked
+    return 0, x + base_x, y + base_y, dx, dy, dz, 0.0, 0.0
 
 
 @kernel

@@ -15,7 +15,7 @@ from mpfcad.optics.base.sampling import start_net_path
 from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.cavity.board import led_start
 from mpfcad.optics.element import SHEET
-from mpfcad.optics.engine import go_on, pass_queue
+from mpfcad.optics.engine import pass_queue
 from mpfcad.optics.forward.connection import (
     TERMS,
     CellMeter,
@@ -25,7 +25,10 @@ from mpfcad.optics.forward.connection import (
 )
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
-from mpfcad.optics.wave import Wave, enqueue, longest_queue
+from mpfcad.optics.spectral.again import go_on_in_bands
+from mpfcad.optics.spectral.engine import Spectral
+from mpfcad.optics.spectral.hue import Hue, begin_hue, look_at, seen
+from mpfcad.optics.wave import SLOTS, Wave, enqueue, longest_queue
 
 #: Paths of one block: whole nets.
 BLOCK = 8 * NET
@@ -83,7 +86,7 @@ def can_connect(scene: Scene) -> bool:
 
 
 @kernel
-def _begin(scene, seed, path, slot, wave):
+def _begin(scene, seed, path, slot, wave, hue):
     """Put a new path into a slot and before the cavity."""
     rng = wave.rng[slot]
     start_net_path(rng, seed, uint64(_STREAM), path, uint64(1))
@@ -95,12 +98,16 @@ def _begin(scene, seed, path, slot, wave):
     wave.upward[slot] = 1
     wave.lamp[slot] = led
     wave.path[slot] = led
+    begin_hue(hue, slot)
     enqueue(wave, 0, slot)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
-def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
-    """Follow `count` paths from `first` on; score and flow get their sums; the rest is scratch."""
+def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow, hue):
+    """Follow `count` paths from `first` on; score and flow get their sums; the rest is scratch.
+
+    `hue` is the state of light in bands, whose luminance is scored, or None.
+    """
     freed = wave.freed
     started, free = 0, min(len(freed), count)
     for slot in range(free):
@@ -108,7 +115,7 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
     last = len(scene.kind) - 1
     while True:
         for i in range(min(free, count - started)):
-            _begin(scene, seed, first + uint64(started + i), freed[i], wave)
+            _begin(scene, seed, first + uint64(started + i), freed[i], wave, hue)
         started += min(free, count - started)
         free = 0
         e, waiting = longest_queue(wave)
@@ -122,17 +129,19 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow):
             for slot in rays:
                 if wave.upward[slot] != 0:
                     p = wave.place[slot]
+                    look_at(hue, wave, slot)
                     value = wave.weight[slot] * turned_into(
                         scene.parameter[e], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
                     )
+                    value = seen(hue, value)
                     if meter.reach > 0:
                         score_spread(meter, score, wave.path[slot], p[0], p[1], value)
                     else:
                         score_at(meter, score, terms, p[0], p[1], value)
-        pass_queue(scene, e, rays, wave, flow, None)
+        pass_queue(scene, e, rays, wave, flow, None, hue)
         for i in range(waiting):
             slot = uint64(rays[i])
-            if not go_on(scene, e, slot, wave, flow, None):
+            if not go_on_in_bands(scene, e, slot, wave, flow, hue):
                 freed[free] = slot
                 free += 1
 
@@ -150,15 +159,18 @@ def refuse_unconnected(scene: Scene) -> None:
 
 
 def trace_one(
-    scene: Scene, meter: CellMeter, seed: int, block: int
+    scene: Scene, meter: CellMeter, seed: int, block: int, spectral: Spectral | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the sums of one block: what the meter scores, and the flow."""
     score = np.zeros(meter.size(len(scene.led)))
     flow = np.zeros(len(FLOWS) + len(scene.kind))
-    trace_cell(
-        scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
-        Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), score, flow,
-    )  # fmt: skip
+    for part, share, hue in _scenes(scene, spectral):
+        own = np.zeros_like(score)
+        trace_cell(
+            part, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
+            Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), own, flow, hue,
+        )  # fmt: skip
+        score += share * own
     return score, flow
 
 
@@ -171,10 +183,12 @@ def trace_forward(
     first: int = 0,
     threads: int = 1,
     after_block: Callable[[], None] | None = None,
+    spectral: Spectral | None = None,
 ) -> CellTally:
     """Return the tally of `blocks` blocks of paths from block `first` on.
 
-    The same blocks give the same bits at any number of threads.
+    The same blocks give the same bits at any number of threads. `spectral`: the scene in bands,
+    whose luminance is scored.
 
     Raises
     ------
@@ -185,7 +199,7 @@ def trace_forward(
     n = TERMS * TERMS
 
     def one(block: int) -> CellTally:
-        score, flow = trace_one(scene, meter, seed, block)
+        score, flow = trace_one(scene, meter, seed, block, spectral)
         outer = np.outer(score[:n], score[:n])
         return CellTally(score, outer, score[n:] ** 2, flow, flow**2, BLOCK, 1)
 
@@ -194,3 +208,16 @@ def trace_forward(
         one, range(first, first + blocks), CellTally.plus, CellTally.empty(meter, flows),
         threads=threads, after=after_block,
     )  # fmt: skip
+
+
+def _scenes(scene: Scene, spectral: Spectral | None) -> list[tuple[Scene, float, Hue | None]]:
+    """Return the scenes to trace, with their share in the luminance, and the state of all bands."""
+    if spectral is None:
+        return [(scene, 1.0, None)]
+    if spectral.tables is None:
+        return [
+            (part, float(share), None)
+            for part, share in zip(spectral.scenes, spectral.colour[:, 1], strict=True)
+        ]
+    tables = spectral.tables._replace(forward=np.ones(1, np.int64))
+    return [(spectral.scenes[0], 1.0, Hue.empty(tables, SLOTS, 1))]

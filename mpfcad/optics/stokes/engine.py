@@ -36,11 +36,11 @@ def trace_polarised(scene, source, seed, stream, first, light, rng, stokes, flow
             stokes[i, j] = 0.0
         while e != ENDED:
             way, x, y, dx, dy, dz, weight, found = pass_element(
-                scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, None, rng
+                scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, None, None, rng
             )
             lamp = NO_LAMP
             up = way > 0
-            e, weight, seen = next_element(scene, e, way, x, y, weight, flow, rng)
+            e, weight, seen = next_element(scene, e, way, x, y, weight, flow, None, rng)
             # No element changes the rows' intensities after it has found light.
             if found + seen > 0.0:
                 for j in range(rows):

@@ -23,11 +23,13 @@ from mpfcad.store import Store, work_key
 #: What can be measured, in the order of the page.
 WHAT = (
     "contrast", "angular", "conoscope", "flux", "uniformity", "camera", "panel", "polarisation",
-    "psf",
+    "colour", "psf",
 )  # fmt: skip
 #: Of them what is measured under LEDs, and there alone.
-CELL_WHAT = ("contrast", "angular", "conoscope", "flux", "camera", "psf")
+CELL_WHAT = ("contrast", "angular", "conoscope", "flux", "camera", "colour", "psf")
 ONLY_CELL = ("psf",)
+#: Of them what is not measured of light in bands.
+UNBANDED = ("flux", "psf")
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,15 @@ def _polarisation(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     return describe_polarisation(polarisation(lit, run, MEASURE_SETTINGS[effort].polarisation))
 
 
+def _colour(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
+    from mpfcad.measure import screen_colour
+    from mpfcad.record import describe_colour
+
+    assert lit.stack.bands is not None  # refused before
+    found = screen_colour(lit, run, MEASURE_SETTINGS[effort].colour)
+    return describe_colour(found, lit.stack.bands.wavelength)
+
+
 def _psf(lit: Lit, run: TraceRun, effort: str) -> dict[str, Any]:
     return describe_psf(lit, run, MEASURE_SETTINGS[effort].pixel)
 
@@ -185,4 +196,5 @@ _MEASURE: dict[str, Callable[[Lit, TraceRun, str], dict[str, Any]]] = {
     "panel": _panel,
     "polarisation": _polarisation,
     "psf": _psf,
+    "colour": _colour,
 }

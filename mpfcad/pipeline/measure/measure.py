@@ -11,6 +11,7 @@ from mpfcad.pipeline.measure.case import Case, baseline_case
 from mpfcad.pipeline.measure.figures import (
     CELL_WHAT,
     ONLY_CELL,
+    UNBANDED,
     WHAT,
     Measuring,
     case_confidence,
@@ -36,11 +37,11 @@ def default_measure_out(case: Case) -> Path:
 
 def default_what(case: Case) -> tuple[str, ...]:
     """Return everything that can be measured on a case."""
-    if case.lit.is_cell:
-        return CELL_WHAT
-    lacks = dict.fromkeys(ONLY_CELL, True)
-    lacks |= {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised}
-    return tuple(name for name in WHAT if not lacks.get(name))
+    coloured, is_cell = case.lit.spectral is not None, case.lit.is_cell
+    lacks = {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised,
+             "colour": not coloured, **dict.fromkeys(ONLY_CELL, not is_cell)}  # fmt: skip
+    lacks |= dict.fromkeys(UNBANDED, True) if coloured else {}
+    return tuple(name for name in (CELL_WHAT if is_cell else WHAT) if not lacks.get(name))
 
 
 def measure_film(
@@ -63,7 +64,7 @@ def measure_film(
         that repeats without end, or what is not measured under LEDs, or the confidence of what
         has none.
     """
-    from mpfcad.measure import check_finite, refuse_unpolarised
+    from mpfcad.measure import check_finite, refuse_uncoloured, refuse_unpolarised
     from mpfcad.report import write_measure_page, write_pictures
 
     wrong = [name for name in what if name not in CELL_WHAT]
@@ -79,6 +80,14 @@ def measure_film(
         check_finite(case.lit)
     if "polarisation" in what:
         refuse_unpolarised(case.lit)
+    if "colour" in what:
+        refuse_uncoloured(case.lit)
+    unbanded = [name for name in what if name in UNBANDED]
+    if case.lit.spectral is not None and unbanded:
+        raise InputError(
+            f"--what: {unbanded[0]}: {case.lit.stack.name} states light.bands: expected "
+            f"{', '.join(default_what(case))}"
+        )
     if confidence:
         refuse_confidence(case.lit.stack)
         if "contrast" not in what:

@@ -197,6 +197,11 @@ def read_plan(job: Job, job_file: Path, departure: Departure = AS_DESIGNED) -> P
     }
     stack = departure.of_board(read_job_stack(job, job_file), str(job_file))
     _refuse_resin(job, stack, str(job_file))
+    if job.gates.colour_max is not None and stack.bands is None:
+        raise InputError(
+            f"{job_file}: gates.colour_max: {job.gates.colour_max:g}: the stack {stack.name} "
+            "states no light.bands: expected bands and a spectrum"
+        )
     calibration = files.get(job.process.calibration or "")
     groove = job.film.groove
     count = groove_count(stack.panel_width, groove.pitch)

@@ -22,11 +22,13 @@ from mpfcad.mask import Mask, MaskCheck
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import (
     Checkpoints,
+    ColourResult,
     Lit,
     LuminanceResult,
     Survey,
     TraceRun,
     light_film,
+    screen_colour,
     survey_directions,
 )
 from mpfcad.pipeline.confidence.find import find_confidence
@@ -43,6 +45,9 @@ from mpfcad.pipeline.run.make import write_mask_pictures
 from mpfcad.pipeline.run.plain import Traced, trace_luminance, trace_plain
 from mpfcad.record import ResinCheck
 
+#: Standard error of u', v' of a point at which the trace of its colour ends, over the goal of the
+#: contrast.
+COLOUR_GOAL = 0.25
 #: The thesis's own reference.
 BASELINE_PRESET = "thesis-32in-conventional"
 #: Standard error at which the maps of single LEDs end, over the half-width of the contrast.
@@ -109,6 +114,8 @@ class Findings:
         of this film's luminance over direction; None where the path limit has no room for it
     facets
         how a few grooves' mesh closes in on the film, in outside names; None of a film in one piece
+    colour
+        over the pitch; None without bands
     library
         check of film.3mf, a film of instances
     crossed
@@ -137,6 +144,7 @@ class Findings:
     library: LibraryCheck | None = None
     crossed: FilmFindings | None = None
     psf: dict[str, Any] | None = None
+    colour: ColourResult | None = None
 
 
 def examine(
@@ -165,7 +173,7 @@ def examine(
         plan.job.seed, threads or available_threads(), setting.path_limit, checkpoints,
         progress.trace, judged=True,
     )  # fmt: skip
-    luminance = survey = psf = None
+    luminance = survey = colour = psf = None
     if all(film.files.solid is not None for film in films):
         traced = traced_file(plan)
         progress.stage(f"tracing {traced}")
@@ -176,7 +184,11 @@ def examine(
         if not lit.is_cell:
             progress.stage(f"tracing {traced} over directions")
             survey = survey_directions(lit, run)
-        if has_zones(lit):
+        if lit.spectral is not None:
+            progress.stage(f"tracing {traced} for its colour")
+            goal = setting.half_width_goal * COLOUR_GOAL
+            colour = screen_colour(lit, run, goal, directions=False)
+        if has_zones(lit) and lit.spectral is None:
             progress.stage(f"tracing {traced}, each LED by itself")
             psf = describe_psf(lit, run, _BIN_GOAL * setting.half_width_goal)
     progress.stage("tracing the film without resin")
@@ -199,6 +211,7 @@ def examine(
         baseline, own.printing, confidence, printed,
         survey, None if found.mesh is None else facet_convergence(plan), found.library, crossed,
         psf,
+        colour,
     )  # fmt: skip
 
 

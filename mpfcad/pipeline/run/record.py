@@ -23,7 +23,15 @@ from mpfcad.pipeline.plan.restored import stored_job
 from mpfcad.pipeline.run.examine import Findings, traced_file
 from mpfcad.pipeline.run.make import MARKERS, MASK_FORMATS, PICTURE
 from mpfcad.pipeline.run.plain import Traced
-from mpfcad.record import Checks, build_gates, build_verification, confidence_gate
+from mpfcad.record import (
+    Checks,
+    build_gates,
+    build_verification,
+    colour_gate,
+    confidence_gate,
+    describe_colour,
+)
+from mpfcad.record.verdict import in_order
 from mpfcad.report import Evidence
 
 #: What the names of the films' files have after their first word.
@@ -80,6 +88,9 @@ def build_record(
     )
     if findings.confidence is not None and job.gates.confidence_min is not None:
         gates.insert(1, confidence_gate(findings.confidence, job.gates.confidence_min))
+    colour = describe_findings_colour(plan, findings)
+    if job.gates.colour_max is not None:
+        gates = in_order([*gates, colour_gate(colour, job.gates.colour_max, traced)])
     return build_verification(
         name=job.name,
         gates=gates,
@@ -97,6 +108,7 @@ def build_record(
         survey=findings.survey,
         psf=findings.psf,
         facets=findings.facets,
+        colour=colour,
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),
@@ -111,6 +123,13 @@ def build_record(
         },
         job={**stored_job(plan), "trace": setting.document()},
     )
+
+
+def describe_findings_colour(plan: Plan, findings: Findings) -> dict[str, Any] | None:
+    """Return the colour of a film in light of bands; None without bands or a trace."""
+    if findings.colour is None or plan.stack.bands is None:
+        return None
+    return describe_colour(findings.colour, plan.stack.bands.wavelength)
 
 
 def _eye(plan: Plan, found: Traced | None) -> dict[str, Any] | None:

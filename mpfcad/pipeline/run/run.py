@@ -282,10 +282,21 @@ def trace_mesh(
     """
     from mpfcad.backlight import read_stack
     from mpfcad.export import sha256
-    from mpfcad.measure import TraceRun, luminance_over_cell, luminance_over_pitch, polarisation
+    from mpfcad.measure import (
+        TraceRun,
+        luminance_over_cell,
+        luminance_over_pitch,
+        polarisation,
+        screen_colour,
+    )
     from mpfcad.pipeline.confidence.find import refuse_confidence
     from mpfcad.pipeline.measure.case import mesh_case
-    from mpfcad.record import describe_cell, describe_luminance, describe_polarisation
+    from mpfcad.record import (
+        describe_cell,
+        describe_colour,
+        describe_luminance,
+        describe_polarisation,
+    )
 
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: expected a closed mesh in mm")
@@ -314,6 +325,10 @@ def trace_mesh(
                 figures["polarisation"] = describe_polarisation(polarisation(lit, run, goal))
             if confidence:
                 figures["confidence"] = _confidence(case, found, seed, run.threads, progress)
+        if backlight.bands is not None:
+            goal = MEASURE_SETTINGS[effort].colour
+            colour = screen_colour(lit, run, goal, directions=False)
+            figures["colour"] = describe_colour(colour, backlight.bands.wavelength)
     film = {"file": mesh.name, "sha256": sha256(mesh)} if mesh else {"file": None, "sha256": None}
     for table in backlight.tables.values():
         progress.note(table.table.summary())

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 from mpfcad.backlight import Stack
-from mpfcad.backlight.layer import POLARISING
+from mpfcad.backlight.layer import CONVERTER, POLARISING
 from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.report.drawing import svg
 
@@ -20,7 +20,7 @@ STYLE = {
 OTHER = {
     "plate": "clear_plate", "sheet": "bottom_sheet", "bsdf": "bottom_sheet",
     "polariser": "diffusing_plate", "reflective_polariser": "clear_plate",
-    "retarder": "clear_plate", "mueller": "clear_plate",
+    "retarder": "clear_plate", "mueller": "clear_plate", "converter": "bottom_sheet",
 }  # fmt: skip
 FILM = 'fill="#c9dcee" stroke="#5d7f9f"'
 RESIN = 'fill="#f2c572" stroke="none"'
@@ -165,6 +165,9 @@ def _own_note(stack: Stack, layer: str) -> str:
     if kind in POLARISING:
         return _axis_note(stack, layer)
     note = f"n = {value('index'):g}"
+    if kind == CONVERTER:
+        emission = stack.bands.emission[layer].title if stack.bands else "light"
+        return f"emits {emission}, {value('yield') * 100:g} % of the photons it takes"
     if kind == "plate":
         note += f", {value('thickness_mm'):g} mm"
         if value("scattering_per_mm") > 0:

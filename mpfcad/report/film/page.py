@@ -17,6 +17,7 @@ from mpfcad.report.film.section import (
 )
 from mpfcad.report.film.slider_section import slider_values
 from mpfcad.report.film.wording import gate_values, states_confidence
+from mpfcad.report.page.colour_part import colour_part
 from mpfcad.report.page.environment import render
 
 #: Files that a run makes besides those whose hashes the record holds.
@@ -66,4 +67,5 @@ def build_page(record: dict[str, Any], evidence: Evidence) -> str:
         confidence=confidence_values(record),
         states_confidence=states_confidence(record),
         sliders=slider_values(record),
+        colour=colour_part(record["colour"], record["inputs"]) if "colour" in record else None,
     )

@@ -14,6 +14,10 @@ GATES = {
         "Confidence in the real backlight",
         "probability that the contrast is accepted with all inputs' widths (docs/confidence.md)",
     ),
+    "colour_mura": (
+        "Colour Mura",
+        "largest Δu′v′ (CIE 1976) of the normal light over a lamp pitch from its mean",
+    ),
     "mask_file_as_written": (
         "Mask: files read back",
         "panel, apertures, text and furniture of each file, by another library than wrote it",

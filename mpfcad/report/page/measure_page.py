@@ -17,6 +17,7 @@ from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
 from mpfcad.report.drawing.picture import PICTURES, band_width
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.film.confidence_section import confidence_values
+from mpfcad.report.page.colour_part import colour_part
 from mpfcad.report.page.environment import render
 from mpfcad.report.page.number import number
 from mpfcad.report.page.spread_part import spread_values
@@ -35,6 +36,7 @@ TITLES = {
     "panel": "The whole panel",
     "polarisation": "Polarisation of the normal light",
     "psf": "The light of one LED, and of one zone",
+    "colour": "Colour",
     "confidence": "Does the contrast hold in the real backlight?",
 }
 
@@ -238,6 +240,11 @@ def _psf(record: Record, folder: Path) -> Record:
     return spread_values(record["psf"])
 
 
+def _colour(record: Record, folder: Path) -> Record:
+    inputs, axes = record["traced"]["inputs"], record["screen"]["axes"]
+    return colour_part(record["colour"], inputs, axes)
+
+
 def _confidence(record: Record, folder: Path) -> Record | None:
     return confidence_values(record)
 
@@ -252,5 +259,6 @@ _VALUES = {
     "panel": _panel,
     "polarisation": _polarisation,
     "psf": _psf,
+    "colour": _colour,
     "confidence": _confidence,
 }

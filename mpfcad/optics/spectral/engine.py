@@ -1,0 +1,235 @@
+"""Paths of light in bands: one path for all of them, or each band by itself.
+
+* Where bands differ by what they lose, one path serves all (`hue`).
+* Where they differ by the way they take (dispersion), each has its own path through its own scene,
+  with the same random numbers, so that the noise of a colour is less than that of its luminances.
+  Wavelengths refracted apart share no path but the first piece of it, so a hero wavelength with
+  weights for the others (Wilkie et al., "Hero wavelength spectral sampling", EGSR 2014) would be
+  the same.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import add
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import uint64
+from numpy.typing import NDArray
+
+from mpfcad.errors import TraceError
+from mpfcad.optics.base.kernel import entry
+from mpfcad.optics.base.net import NET
+from mpfcad.optics.base.recorder import FLOWS, Tally
+from mpfcad.optics.base.thread import add_in_order
+from mpfcad.optics.caught import NO_NET
+from mpfcad.optics.engine import pass_queue, refill, trace_paths
+from mpfcad.optics.scene import Scene
+from mpfcad.optics.source import EYE, Source
+from mpfcad.optics.spectral.again import go_on_in_bands
+from mpfcad.optics.spectral.converter import conversion
+from mpfcad.optics.spectral.envelope import envelope
+from mpfcad.optics.spectral.hue import Hue, Tables, begin_hue
+from mpfcad.optics.wave import SLOTS, Wave, longest_queue
+
+
+@entry
+def trace_bands(scene, source, hue, seed, stream, first, wave, radiance, flow):
+    """Follow paths `first` and on, and put the luminance that each collects into radiance (n,).
+
+    hue.score gets the sums over the paths of each point, channel by channel; the rest is as of
+    `engine.trace_paths`. Paths of whole rounds of the points.
+    """
+    started = 0
+    freed = wave.freed
+    free = min(len(freed), len(radiance))
+    for slot in range(free):
+        freed[slot] = slot
+    while True:
+        begun = min(free, len(radiance) - started)
+        for i in range(begun):
+            begin_hue(hue, freed[i])
+        started = refill(
+            scene, source, seed, stream, first, started, freed[:free], len(radiance), wave, None
+        )
+        free = 0
+        e, waiting = longest_queue(wave)
+        if waiting == 0:
+            return
+        rays = wave.batch[:waiting]
+        for i in range(waiting):
+            rays[i] = wave.queue[e, i]
+        wave.length[e] = 0
+        pass_queue(scene, e, rays, wave, flow, None, hue)
+        for i in range(waiting):
+            slot = uint64(rays[i])
+            if not go_on_in_bands(scene, e, slot, wave, flow, hue):
+                radiance[wave.path[slot]] = wave.radiance[slot]
+                freed[free] = slot
+                free += 1
+
+
+class Band(NamedTuple):
+    """What the bands of a light are, beside their scenes; b bands, c converters.
+
+    Attributes
+    ----------
+    source
+        (b,) float64, the lamps' power in each for a luminance of 1
+    colour
+        (b · (1 + c), 3) float64, X, Y, Z of what each channel counts
+    wavelength
+        (b,) float64 [nm], by which photons are counted
+    photons
+        (c, b) float64, the share of each converter's photons in each band
+    quantum_yield
+        (c,) float64, of each converter
+    """
+
+    source: NDArray[np.float64]
+    colour: NDArray[np.float64]
+    wavelength: NDArray[np.float64]
+    photons: NDArray[np.float64]
+    quantum_yield: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Spectral:
+    """A scene in bands, ready to trace: one scene for all, or one for each.
+
+    Attributes
+    ----------
+    scenes
+        one for all bands, with `tables`; or one a band
+    colour
+        (channels, 3) float64, as of `Band`
+    tables
+        how bands differ, where one scene serves all
+    """
+
+    scenes: tuple[Scene, ...]
+    colour: NDArray[np.float64]
+    tables: Tables | None
+
+    @property
+    def is_joint(self) -> bool:
+        """Whether one path serves all bands."""
+        return self.tables is not None
+
+    @property
+    def flows(self) -> int:
+        """How many numbers say where weights went."""
+        return len(FLOWS) + len(self.scenes[0].kind)
+
+
+def build_spectral(scenes: Sequence[Scene], band: Band, *, joint: bool) -> Spectral:
+    """Return the scenes of all bands as one to trace; `joint`: one path serves all bands.
+
+    Raises
+    ------
+    TraceError
+        when bands that take different ways are to share one, or light is converted and they not.
+    """
+    if not joint:
+        if len(band.photons):
+            raise TraceError("bands: a converter needs one path for all of them")
+        return Spectral(tuple(scenes), band.colour, None)
+    pairs = [
+        conversion(share, band.wavelength, photons)
+        for share, photons in zip(band.quantum_yield, band.photons, strict=True)
+    ]
+    taken, emitted = np.array(pairs).reshape(-1, 2, len(scenes)).transpose(1, 0, 2).copy()
+    luminance = band.colour[:, 1].copy()
+    scene, tables = envelope(scenes, band.source, luminance, taken, emitted)
+    return Spectral((scene,), band.colour, tables)
+
+
+class _Work:
+    """Scratch of a block: a wave, luminances (n, p), and the state of all bands."""
+
+    def __init__(self, spectral: Spectral, points: int) -> None:
+        self.spectral = spectral
+        self.wave = Wave.empty(len(spectral.scenes[0].kind))
+        self.radiance = np.empty((NET, points))
+        tables = spectral.tables
+        self.hue = None if tables is None else Hue.empty(tables, SLOTS, points)
+
+    def trace(
+        self, source: Source, block: int, seed: int, flow: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Trace a block: luminances into `radiance`; return the channels' sums a point."""
+        spectral, out = self.spectral, self.radiance.reshape(-1)
+        start = np.uint64(seed), np.uint64(source.kind), np.uint64(block * self.radiance.size)
+        if self.hue is not None:
+            self.hue.score[:] = 0.0
+            trace_bands(spectral.scenes[0], source, self.hue, *start, self.wave, out, flow)
+            return self.hue.score
+        total, sums = np.zeros_like(self.radiance), []
+        for scene, luminance in zip(spectral.scenes, spectral.colour[:, 1], strict=True):
+            trace_paths(scene, source, *start, self.wave, out, flow, NO_NET)
+            total += luminance * self.radiance
+            sums.append(self.radiance.sum(axis=0))
+        self.radiance[:] = total
+        flow /= len(spectral.scenes)
+        return np.array(sums).T
+
+
+def trace_luminance(
+    spectral: Spectral, source: Source, blocks: int, *, seed: int = 1, first: int = 0,
+    threads: int = 1, after_block: Callable[[], None] | None = None,
+) -> Tally:  # fmt: skip
+    """Return the tally of luminances Y of `blocks` blocks of paths, as `engine.trace` does.
+
+    Its flows are those of the weight by which paths are drawn.
+    """
+    points = len(source.position)
+
+    def one(work: _Work, block: int) -> Tally:
+        flow = np.zeros(spectral.flows)
+        work.trace(source, block, seed, flow)
+        return Tally.of_block(work.radiance, flow)
+
+    empty = Tally.empty(points, spectral.flows)
+    return _all(spectral, source, one, add, empty, range(first, first + blocks), threads,
+                after_block)  # fmt: skip
+
+
+def trace_channels(
+    spectral: Spectral, source: Source, blocks: int, *, seed: int = 1, first: int = 0,
+    threads: int = 1, after_block: Callable[[], None] | None = None,
+) -> NDArray[np.float64]:  # fmt: skip
+    """Return the mean of each channel of each block and point, (blocks, p, channels) float64.
+
+    In the unit of the lamps' luminance; its product with `colour` is X, Y, Z [cd/m²]. The same
+    blocks give the same bits at any number of threads.
+    """
+
+    def one(work: _Work, block: int) -> list[NDArray[np.float64]]:
+        return [work.trace(source, block, seed, np.zeros(spectral.flows)) / NET]
+
+    parts: list[NDArray[np.float64]] = _all(
+        spectral, source, one, list.__add__, [], range(first, first + blocks), threads, after_block
+    )
+    return np.array(parts).reshape(blocks, len(source.position), len(spectral.colour))
+
+
+def _all(
+    spectral: Spectral, source: Source, one: Callable[[_Work, int], Any], join: Any, empty: Any,
+    blocks: range, threads: int, after: Callable[[], None] | None,
+) -> Any:  # fmt: skip
+    """Return the sum of what `one` gives of each block, its scratch handed on."""
+    tables = spectral.tables
+    if tables is not None and len(tables.taken) and source.kind != EYE:
+        raise TraceError("bands: light is converted on paths from a meter alone")
+    scratch: list[_Work] = []
+
+    def of(block: int) -> Any:
+        try:
+            work = scratch.pop()
+        except IndexError:
+            work = _Work(spectral, len(source.position))
+        found = one(work, block)
+        scratch.append(work)
+        return found
+
+    return add_in_order(of, blocks, join, empty, threads=threads, after=after)

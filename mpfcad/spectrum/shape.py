@@ -1,0 +1,66 @@
+"""The spectrum of a lamp or a phosphor: power by wavelength, on the observer's wavelengths."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mpfcad.spectrum.cie import LUMENS_PER_WATT, matching_functions, wavelengths
+
+#: Second radiation constant h c / k [nm K] (SI, exact constants).
+_SECOND_RADIATION = 1.438776877e7
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Power a nanometre at each of `cie.wavelengths`, in any unit, and where it comes from.
+
+    Attributes
+    ----------
+    power
+        (471,) values, none below 0
+    first, last
+        the wavelengths [nm] over which it was stated; beyond them there is no power
+    title, tag, source
+        what it is, in words; `given`, `sourced` or `assumed`; where it comes from
+    """
+
+    power: tuple[float, ...]
+    first: float
+    last: float
+    title: str
+    tag: str = "given"
+    source: str = "given by the user"
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """The power, (471,) float64."""
+        return np.array(self.power)
+
+    @property
+    def efficacy(self) -> float:
+        """Lumens a watt, 683 ∫ S y / ∫ S."""
+        power = self.values
+        return float(LUMENS_PER_WATT * (power @ matching_functions()[:, 1]) / power.sum())
+
+
+def gaussian(peak: float, fwhm: float) -> NDArray[np.float64]:
+    """Return exp(-4 ln 2 ((λ - peak)/fwhm)²) [nm], (471,) float64: an LED's or a quantum dot's."""
+    return np.asarray(np.exp(-4 * np.log(2.0) * ((wavelengths() - peak) / fwhm) ** 2))
+
+
+def planckian(temperature: float) -> NDArray[np.float64]:
+    """Return the power of a black body of so many kelvin, its largest 1, (471,) float64 (Planck).
+
+    S(λ) ∝ λ⁻⁵ / (exp(c₂/(λ T)) - 1), c₂ = 0.01438776877 m K.
+    """
+    length = wavelengths()
+    power = length**-5.0 / np.expm1(_SECOND_RADIATION / (length * temperature))
+    return np.asarray(power / power.max())
+
+
+def interpolated(
+    wavelength: NDArray[np.float64], power: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return a table's power, linear between its rows and 0 beyond them, (471,) float64."""
+    return np.interp(wavelengths(), wavelength, power, left=0.0, right=0.0)
