@@ -16,14 +16,6 @@ def restart(scene, hue, slot, wave, flow):
 
     It is then as a ray that has just left the converter `hue.element`.
     """
-    again = False
-    if hue is not None:
-        again = _restart(scene, hue, slot, wave, flow)
-    return again
-
-
-@kernel
-def _restart(scene, hue, slot, wave, flow):
     rng, tables = wave.rng[slot], hue.tables
     weight = roulette(hue.chance[slot], flow, rng)
     hue.chance[slot] = 0.0
@@ -62,6 +54,14 @@ def _restart(scene, hue, slot, wave, flow):
 def go_on_in_bands(scene, e, slot, wave, flow, hue):
     """Move a ray that has left element e on, or its second path; return whether one goes on."""
     goes_on = go_on(scene, e, slot, wave, flow, hue)
+    if hue is not None:
+        goes_on = goes_on or _go_on_again(scene, slot, wave, flow, hue)
+    return goes_on
+
+
+@kernel
+def _go_on_again(scene, slot, wave, flow, hue):
+    goes_on = False
     while not goes_on and restart(scene, hue, slot, wave, flow):
         goes_on = go_on(scene, hue.element[slot], slot, wave, flow, None, hue)
     return goes_on
