@@ -92,6 +92,11 @@ def _scene(mesh: "FilmMesh", stack: Stack) -> "tuple[Scene, int]":
             f"{stack.name}: light.polarised: the model of a film in its backlight has no "
             "polarisation: expected false"
         )
+    if stack.bands is not None:
+        raise InputError(
+            f"{stack.name}: light.bands: the model of a film in its backlight has one wavelength: "
+            "expected no bands"
+        )
     scene = build_scene(lower_stack(stack, mesh))
     return scene, int(np.flatnonzero(scene.kind == FILM)[0])
 

@@ -49,7 +49,8 @@ def gate_of(lit: Lit, at: At) -> int:
     Raises
     ------
     InputError
-        when the stack has no film of the job's, or no air under it, or its light is polarised.
+        when the stack has no film of the job's, or no air under it, or its light is polarised or
+        in bands.
     """
     from mpfcad.optics.element import Slab
 
@@ -57,6 +58,10 @@ def gate_of(lit: Lit, at: At) -> int:
         raise InputError(
             f"{lit.stack.name}: light.polarised: ray files hold no polarisation: expected "
             "light that is not polarised"
+        )
+    if lit.stack.bands is not None:
+        raise InputError(
+            f"{lit.stack.name}: light.bands: ray files hold one wavelength: expected no bands"
         )
     if at == "screen":
         return len(lit.elements)

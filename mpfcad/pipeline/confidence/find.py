@@ -52,8 +52,11 @@ def refuse_confidence(stack: Stack) -> None:
     Raises
     ------
     InputError
-        when LEDs light it, or the panel has a rim.
+        when LEDs light it, the panel has a rim, or light is in bands, whose derivatives are not
+        traced.
     """
+    if stack.bands is not None:
+        raise InputError(f"confidence: stack {stack.name}: light.bands: expected one wavelength")
     if stack.extent != "pitch" or stack.period.along != 0:
         raise InputError(
             f"confidence: stack {stack.name}, extent {stack.extent}: expected tubes and "

@@ -235,11 +235,11 @@ class Runs:
 
         And their covariance (m, m).
         """
-        from mpfcad.optics.engine import trace
+        from mpfcad.measure.rounds import trace_lit
 
         assert self.variants is not None  # of runs of other scenes there are none
         lit = self.variants.light(dict(zip(self.factors, steps.tolist(), strict=True)))
-        tally = trace(lit.scene, self._meter(lit), blocks, seed=self.seed, threads=self.threads)
+        tally = trace_lit(lit, self._meter(lit), blocks, seed=self.seed, threads=self.threads)
         self.paths += tally.total_paths
         spread = self.reading.spread(tally.radiance, tally.radiance_error)
         return self.reading.read(tally.radiance), spread

@@ -116,9 +116,9 @@ class FitTracer:
         return np.array(kept[0]), np.array(kept[1])
 
     def _traced(self, kind: str, lit: Lit, source: "Source", blocks: int) -> list[list[float]]:
-        from mpfcad.optics.engine import trace
+        from mpfcad.measure.rounds import trace_lit
 
-        tally = trace(lit.scene, source, blocks, seed=self._seed, threads=self._threads)
+        tally = trace_lit(lit, source, blocks, seed=self._seed, threads=self._threads)
         if np.any(tally.radiance <= 0):
             raise InputError(f"{lit.stack.name}: no light at a point of the {kind}: expected some")
         error = tally.own_error if kind == DIRECTIONS else tally.radiance_error
