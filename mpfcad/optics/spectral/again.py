@@ -53,7 +53,7 @@ def restart(scene, hue, slot, wave, flow):
 @kernel
 def go_on_in_bands(scene, e, slot, wave, flow, hue):
     """Move a ray that has left element e on, or its second path; return whether one goes on."""
-    goes_on = go_on(scene, e, slot, wave, flow, hue)
+    goes_on = go_on(scene, e, slot, wave, flow, None, hue)
     if hue is not None:
         goes_on = goes_on or _go_on_again(scene, slot, wave, flow, hue)
     return goes_on
