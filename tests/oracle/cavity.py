@@ -1,12 +1,19 @@
 """The oracle's space under the stack: lamps over a reflector, in plain Python."""
 
+import copy
 import math
-from dataclasses import replace
 
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity
 from oracle.bsdf import scatter
 from oracle.ray import Philox, Vector, disk, lambertian, roulette
+
+
+def _with_share(cavity: Cavity, share: float) -> Cavity:
+    """Return a cavity with another mirrored share; its other numbers may be those of bands."""
+    other = copy.copy(cavity)
+    object.__setattr__(other, "specular_fraction", share)
+    return other
 
 
 def cavity_passage(
@@ -46,8 +53,8 @@ def cavity_passage(
                 rng.happens(cavity, "reflectance", math.log)
                 share, counted = _direct(cavity, x, mirrored)
                 total += weight * share * cavity.lamp_luminance
-                more, _ = _direct(replace(cavity, specular_fraction=1.0), x, mirrored)
-                less, _ = _direct(replace(cavity, specular_fraction=0.0), x, mirrored)
+                more, _ = _direct(_with_share(cavity, 1.0), x, mirrored)
+                less, _ = _direct(_with_share(cavity, 0.0), x, mirrored)
                 part = weight * cavity.lamp_luminance
                 rng.found(part * share, part * (more - less))
                 is_mirrored = d == mirrored
