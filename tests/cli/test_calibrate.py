@@ -55,7 +55,8 @@ def test_calibration_file(traces, capsys, way):
     printed = capsys.readouterr().out
     assert printed.splitlines()[-1] == "process.toml"
     *_, note, hidden, _ = printed.splitlines()
-    assert len(printed.splitlines()) == 10
+    assert len(printed.splitlines()) == 13
+    assert "a.csv: resin meets the walls " in printed
     assert note.startswith("all 3 files: tip not stated; a sharp tip and a radius of ")
     assert hidden.startswith("all 3 files: the tip's cone may hide how steep the walls are")
     process = read_process(traces / "process.toml", BEF)

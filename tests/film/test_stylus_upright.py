@@ -135,7 +135,8 @@ def arcs(sag, radius=0.0, grooves=4):
     size = (BEF.half_width**2 + sag**2) / (2 * sag)
     bare = BEF.depth - BEF.half_width + np.abs(local)
     z = np.maximum(bare, BEF.depth - sag + size - np.sqrt(size**2 - local**2))
-    fill = float(np.mean(z - bare)) / (BEF.depth / 2)
+    whole = slice(round(grooves * BEF.pitch / FINE))
+    fill = float(np.mean((z - bare)[whole])) / (BEF.depth / 2)
     if radius:
         z = dilate(z, FINE, StylusTip(radius), periodic=False)
     kept = slice(1000, -1000, 10)
