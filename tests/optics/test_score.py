@@ -263,7 +263,7 @@ def test_the_oracle_tells_the_same(tmp_path):
     score, radiance = Score.empty(columns.first, 1, SLOTS), np.empty(paths)
     one = np.uint64(1)
     trace_scores(
-        scene, source, one, np.uint64(EYE), np.uint64(0), Wave.empty(len(elements)), radiance,
+        scene, source, one, np.uint64(EYE), np.uint64(0), Wave.empty(len(elements), 1), radiance,
         np.zeros(len(FLOWS) + len(elements)), NO_NET, score,
     )  # fmt: skip
     assert len(told) == 3 + 3 + 5 + 4
