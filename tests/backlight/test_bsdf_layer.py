@@ -84,7 +84,7 @@ def test_a_stack_with_tables_is_restored_from_its_description(tmp_path):
         ('{ kind = "bsdf", file = "back.xml" }', "transmission from below: not in the file"),
         ('{ kind = "bsdf", file = "sheet.csv", reciprocal = 1 }', "reciprocal: 1: expected true"),
         ('{ kind = "bsdf", file = "hot.csv" }', "hot.csv: light from below, incidence"),
-        ('"bsdf"', "layers: bsdf: expected one of"),
+        ('"bsdf"', "layers: 'bsdf': expected one of"),
         (
             '{ kind = "bsdf", name = "reflector", file = "sheet.csv" }',
             "name: expected one that no named layer has",

@@ -133,7 +133,7 @@ def test_a_mueller_matrix_is_read_row_by_row(tmp_path):
         ([[0.9, 0.3, 0, 0], [0.3, 0.9, 0, 0], [0, 0, 0.8, 0], [0, 0, 0, 0.8]],
          r"layers: layer: Mueller matrix: passes 1\.2 of some light"),
         ([[0.5, 0, 0, 0], [0, 0.9, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]], "no mixture of Jones"),
-        ([["a", 0, 0, 0]] + [[0, 0, 0, 0]] * 3, r"layer\.m00: a: expected a number"),
+        ([["a", 0, 0, 0]] + [[0, 0, 0, 0]] * 3, r"layer\.m00: 'a': expected a number"),
     ],
 )  # fmt: skip
 def test_a_mueller_matrix_that_is_no_passive_element_is_refused(tmp_path, rows, said):

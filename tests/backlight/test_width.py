@@ -38,7 +38,7 @@ def test_a_stated_width_and_a_range_stand_above_it():
     ("entry", "says"),
     [
         ({"value": 20, "sigma": -1}, "sigma: -1: expected a number of 0 or more"),
-        ({"value": 20, "sigma": "x"}, "sigma: x: expected a number"),
+        ({"value": 20, "sigma": "x"}, "sigma: 'x': expected a number"),
         ({"value": 20, "range": [21, 22]}, "expected to hold the value 20"),
         ({"value": 20, "range": 3}, r"range: 3: expected \[lowest, highest\]"),
         ({"value": 20, "range": [19, 21], "sigma": 1}, "sigma and range: expected one"),

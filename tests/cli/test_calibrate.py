@@ -131,7 +131,7 @@ def test_prints_that_the_screen_cannot_have_held_are_refused(traces, capsys):
         (["none.csv"], "none.csv: no such file"),
         (["a.csv", "--out", "p.toml"], "--out"),
         (["a.csv", "b.csv", "--aperture", "0.1"], "--aperture: 1 for 2 files"),
-        (["a.csv", "--aperture", "0"], "a.csv: aperture_ratio 0"),
+        (["a.csv", "--aperture", "0"], "--aperture: 0: expected above 0, up to 1"),
         (["a.csv", "--aperture", "0.1", "--out", "p.toml"], "two or more"),
         (["--coupons", "a.csv"], "a.csv: row 1: header"),
         (["a.csv", "--widths", "3"], "a.csv: x_um: 119.8 µm long: expected 150 µm"),

@@ -241,6 +241,6 @@ def test_reciprocity_is_refused_where_claimed_but_not_so(tmp_path):
 def test_nothing_is_left_when_writing_fails(tmp_path):
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "table.csv").mkdir()
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="is a folder: expected a file"):
         write_texts(tmp_path / "b", {"table.csv": "x"})
     assert [p.name for p in (tmp_path / "b").iterdir()] == ["table.csv"]

@@ -93,7 +93,7 @@ def command(
         unit_of(unit), pitch_mm, lamp_at_mm, _pair(cell_mm), spots, limit, marginal, against, seed,
     )  # fmt: skip
     check_out("--out", out, (b"{\n",))
-    check_out("--page", page, (b"<!doctype html>",))
+    check_out("--page", page, (b"<!DOCTYPE html>",))
     record = judge_luminance(file, judging)
     _write(record, out, page)
     if json:

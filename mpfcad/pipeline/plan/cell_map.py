@@ -91,7 +91,7 @@ class CellFilmMap:
         film = FieldFilm(groove, length, count, field, job.film.profile)
         panel = field_section(film, self.frame.origin[1], job.film.base)
         piece = panel.cut(first, n, self.frame.size[1])
-        return Laid(panel, piece, library, first, film, None)
+        return Laid(panel, piece, library, first, film, None, self.along)
 
     def _library(self, job: Job) -> PieceLibrary | CellLibrary:
         levels = LEVELS if job.cad.levels is None else job.cad.levels

@@ -28,6 +28,7 @@ class Laid(NamedTuple):
     first_groove: int
     field_film: FieldFilm | None
     measured: NDArray[np.float64] | None
+    along: NDArray[np.float64] | None = None
 
 
 class PanelMap(Protocol):

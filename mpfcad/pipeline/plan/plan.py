@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.errors import InputError
 from mpfcad.film import (
-    CellLibrary,
     FieldFilm,
     PanelFilm,
     PrismFilm,
@@ -68,6 +67,8 @@ class Plan:
         text of the process calibration that the job names, if it does
     measured
         (k, 2) float64 [mm], mean groove of the stylus trace that the job names, if it does
+    along
+        (n, m) float64 [1/mm], C along y of cells that have two, over one cell of LEDs
     input_file
         path of every file read, by its name in the job
     crossed
@@ -88,6 +89,7 @@ class Plan:
     field_film: FieldFilm | None = None
     calibration: str | None = None
     measured: NDArray[np.float64] | None = None
+    along: NDArray[np.float64] | None = None
     input_file: dict[str, Path] = field(default_factory=dict)
     crossed: "Plan | None" = None
     suffix: str = ""
@@ -141,21 +143,12 @@ class Plan:
         """Whether a mask can be made."""
         return self.process is not None
 
-    @property
-    def _along(self) -> NDArray[np.float64] | None:
-        """C along y of one cell of LEDs, along by across [1/mm]; None of one curvature."""
-        if not isinstance(self.drawn, CellLibrary) or self.field_film is None:
-            return None
-        m, n = self.field_film.field.curvature.shape
-        both = self.drawn.wanted[:n, :m]
-        same = np.array_equal(both[..., 0], both[..., 1])
-        return None if same else np.ascontiguousarray(both[..., 1].T)
-
     def write_curvature(self, folder: Path) -> None:
         """Write the table of the panel's grooves, or its map in both directions."""
         if self.field_film is not None:
             path = folder / self.file("curvature", "npz")
-            write_curvature_field(path, self.field_film.field, self._along)
+            along = None if self.along is None else np.ascontiguousarray(self.along.T)
+            write_curvature_field(path, self.field_film.field, along)
             return
         ratio = None
         if self.process is not None:
@@ -261,7 +254,7 @@ def build_plan(
     laid = panel_map.lay(job, stack, measured, where)
     plan = Plan(
         job, process, stack, laid.panel, laid.piece, laid.drawn, laid.first_groove,
-        laid.field_film, measured=laid.measured, where=where,
+        laid.field_film, measured=laid.measured, along=laid.along, where=where,
     )  # fmt: skip
     if panel_map.crossed is None:
         return plan
