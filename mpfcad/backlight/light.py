@@ -146,7 +146,11 @@ def light_inputs(bands: Bands | None, flat: list[str]) -> list[dict[str, Any]]:
     if bands.dispersion == "neglected":
         said = f"neglected: {', '.join(bands.neglected) or 'none is stated'}"
     else:
-        said = f"each band traced: {', '.join(bands.separate)}" if bands.separate else "none stated"
+        said = (
+            f"each band traced: {', '.join(bands.separate)}"
+            if bands.separate
+            else "no dispersion stated"
+        )
     inputs.append(
         {"name": "light.dispersion", "value": bands.dispersion, "tag": "given", "source": said}
     )

@@ -41,6 +41,6 @@ def colour_part(found: Record, inputs: list[Record], axes: dict[str, str] | None
             if one["name"].removeprefix("stack.") in ("light.flat", "light.dispersion")
         ],
     }
-    if axes is not None and "over_angle" in found:
-        part["angle"] = plot(colour_angle_figure(found, axes), "colour-angle")
+    angled = axes is not None and "over_angle" in found
+    part["angle"] = plot(colour_angle_figure(found, axes or {}), "colour-angle") if angled else None
     return part
