@@ -12,7 +12,8 @@ from mpfcad.record import colour_gate
 from mpfcad.report.film.wording import GATES
 
 STACK = (
-    'extends = "thesis-32in-mpf"\nlayers = ["clear_plate", "film"]\n{light}[value]\npanel_width_mm = 4.0\npanel_length_mm = 2.0\n'
+    'extends = "thesis-32in-mpf"\nlayers = ["clear_plate", "film"]\n{light}[value]\n'
+    "panel_width_mm = 4.0\npanel_length_mm = 2.0\n"
     "lamp_radius_mm = 0.2\nlamp_height_mm = 0.5\nlamp_count = 1\nlamp_pitch_mm = 4.0\n"
 )
 LIGHT = "[light]\nbands = 4\nspectrum = { planckian_k = 6500 }\n"

@@ -70,7 +70,9 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize(("name", "noise"), [("none", 0.2), ("wave", 0.05), ("peak", 0.1)])
+@pytest.mark.parametrize(
+    ("name", "noise"), [("none", 0.2), ("wave", 0.05), ("peak", 0.1), ("peak", 0.33)]
+)
 def test_the_largest_shift_is_held_by_its_interval(name, noise):
     runs, blocks = 60, 32
     away = SHAPES[name](np.linspace(0, 1, 33))

@@ -6,7 +6,7 @@ covariance drawn on it, the largest distance is below the found one in all but 2
 from the upper end of s on, and above it up to the lower (a test inverted; Neyman, "Outline of a
 theory of statistical estimation", 1937). Noise that alone gives as much has a lower end of 0.
 Several points that are truly as far off make the largest of them larger than one alone: so for the
-lower end points that may be as far off are taken to be.
+lower end points that may be as far off are taken to be, and for the upper one none is.
 """
 
 import numpy as np
@@ -56,7 +56,9 @@ def largest(
     for tail, reach_of_rivals in ((TAIL, 0.0), (0.5, _RIVAL), (1 - TAIL, _SURE_RIVAL)):
         rival = (length > 0) & (length >= found - reach_of_rivals * spread)
         pattern = apart * np.where(rival, found / np.where(rival, length, 1.0), 1.0)[:, None]
-        ends[tail] = found * _size(pattern, noise, found, tail)
+        # What is found is at least what the truly farthest point alone would give.
+        part = [int(np.argmax(length))] if tail == TAIL else slice(None)
+        ends[tail] = found * _size(pattern[part], noise[:, part], found, tail)
     return Estimate.within(ends[0.5], ends[1 - TAIL], ends[TAIL])
 
 
