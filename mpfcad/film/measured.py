@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove, Profile
 from mpfcad.film.quadratic import fewest_pieces
 from mpfcad.film.stylus.fit import MOST_WIDTHS, fit_stylus_trace
@@ -35,10 +36,16 @@ def average_groove(trace: StylusTrace, groove: Groove, profile: Profile) -> NDAr
     Raises
     ------
     InputError
-        when the trace does not show grooves of this pitch and depth.
+        when the trace does not show grooves of this pitch and depth, or its heights are off.
     """
     widths = max(min(trace.widths(groove.pitch), MOST_WIDTHS), 2)
     fit = fit_stylus_trace(trace, groove, profile, widths)
+    if fit.heights_off:
+        # Resin is what lies over the stated walls: over others it would be miscounted.
+        raise InputError(
+            f"{trace.name}: {fit.heights_off}: expected film.depth_um of the film that was traced, "
+            "or heights on their true scale"
+        )
     height, error = _mean(fit.position, fit.height, groove)
     if fit.tip is not None:
         surface, _ = _mean(fit.position, fit.surface, groove)

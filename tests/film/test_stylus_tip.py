@@ -124,6 +124,12 @@ def test_the_measured_groove_is_without_the_tip():
     assert np.abs(found[:, 1] - truth - (found[:, 1] - truth).mean()).max() < 2e-4
 
 
+@pytest.mark.parametrize("gain", [1.03, 0.97])
+def test_a_measured_groove_with_heights_off_scale_is_refused(gain):
+    with pytest.raises(InputError, match=r"walls are .3\.\d% off .* film\.depth_um"):
+        average_groove(traced(58.0, StylusTip(2e-3), gain=gain, noise=2e-5), BEF, "filled")
+
+
 def test_a_blunt_cone_hides_steeper_walls():
     """Walls 3 % steeper than a 90° cone: the trace shows the cone; the fill's interval knows."""
     steep = Groove(0.05, 0.0258)

@@ -81,6 +81,8 @@ class StylusFit:
         the shape of the resin's surface; None: a mould's parabola
     notes
         what a reader should know, one sentence each
+    heights_off
+        how far the walls are off the stated depth's slope, in words; empty where they are not
     """
 
     curvature: Interval
@@ -99,6 +101,7 @@ class StylusFit:
     grooves: int
     meniscus: MeniscusShape | None
     notes: tuple[str, ...]
+    heights_off: str = ""
 
 
 def fit_stylus_trace(
@@ -194,7 +197,8 @@ def _fit_upright(
         fill_interval(*part, share)
         for part, share in zip([*right, *known], [*hidden, *hidden], strict=True)
     ])  # fmt: skip
-    notes += said + _scale_notes(trace, best, known[0][1], scaled[0], groove, correct)
+    scale_said, heights_off = _scale_notes(trace, best, known[0][1], scaled[0], groove, correct)
+    notes += said + scale_said
     notes += [HIDDEN_WORDS] if any(hidden) else []
     model, value = best.model, best.value
     tilt, parabola_rms = _levels(best)
@@ -221,6 +225,7 @@ def _fit_upright(
         grooves=widths,
         meniscus=meniscus_shape(*known[0]) if profile == "filled" else None,
         notes=tuple(notes),
+        heights_off=heights_off,
     )
 
 
@@ -283,14 +288,12 @@ def _tip_words(tips: Sequence[StylusTip | None]) -> str:
 
 
 def _scale_notes(
-    trace: StylusTrace,
-    fit: Fitted,
-    spread: Spread,
-    scaled: Scaled,
-    groove: Groove,
-    correct: bool,
-) -> list[str]:
-    """Return what pitch and walls' slope say of the scale; refuse what no film is off by."""
+    trace: StylusTrace, fit: Fitted, spread: Spread, scaled: Scaled, groove: Groove, correct: bool
+) -> tuple[list[str], str]:
+    """Return what pitch and walls' slope say of the scale; refuse what no film is off by.
+
+    With it how far the walls' slope is off, empty where it is not.
+    """
     pitch, slope = fit.value[PITCH] / groove.pitch - 1, spread.likely_slope / groove.wall_slope - 1
     edges = [edge / groove.wall_slope - 1 for edge in spread.slope]
     wider = [slope + 1.5 * (edge - slope) for edge in edges]
@@ -301,7 +304,7 @@ def _scale_notes(
         ("depth", slope, (wider[0] > 0 or wider[1] < 0) and not hidden, max(edges[0], -edges[1]),
          f"the walls are {{:+.1%}} off the slope of depth {groove.depth / um:g} µm"),
     )  # fmt: skip
-    notes = []
+    notes, heights_off = [], ""
     for name, off, told, least, text in found:
         words = text.format(off)
         if least > REFUSED and not correct:
@@ -311,6 +314,7 @@ def _scale_notes(
             )
         if abs(off) <= NAMED or not told:
             continue
+        heights_off = words if name == "depth" else heights_off
         if not correct:
             notes.append(
                 f"{words}: the film's {name} or the instrument's scale: the interval holds both "
@@ -330,7 +334,7 @@ def _scale_notes(
             f"resin hides the walls: depth {groove.depth / um:g} µm and heights may be "
             f"{low:+.1%} … {high:+.1%} off each other: the interval holds that"
         )
-    return notes
+    return notes, heights_off
 
 
 def _levels(fit: Fitted) -> tuple[float, float]:
