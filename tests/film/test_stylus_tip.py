@@ -130,6 +130,19 @@ def test_a_measured_groove_with_heights_off_scale_is_refused(gain):
         average_groove(traced(58.0, StylusTip(2e-3), gain=gain, noise=2e-5), BEF, "filled")
 
 
+@pytest.mark.parametrize("curvature", [66.0, 80.0])
+def test_resin_that_a_blunt_tip_does_not_reach_may_be_none(curvature):
+    """A ball of 12.5 µm draws the same arc over all of these grooves."""
+    fit = fit_stylus_trace(traced(curvature, StylusTip(12.5e-3), noise=2e-5), BEF)
+    assert fit.fill_fraction.low < 1e-6
+    assert fit.curvature.low < 66.0 and fit.curvature.high > 79.9
+
+
+def test_little_resin_that_the_tip_reaches_is_not_none():
+    fit = fit_stylus_trace(traced(66.0, StylusTip(2e-3), noise=2e-5), BEF)
+    assert fit.curvature.low < 66.0 < fit.curvature.high < 70.0
+
+
 def test_a_blunt_cone_hides_steeper_walls():
     """Walls 3 % steeper than a 90° cone: the trace shows the cone; the fill's interval knows."""
     steep = Groove(0.05, 0.0258)

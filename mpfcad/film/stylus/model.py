@@ -62,6 +62,8 @@ class TraceModel:
     wettings
         the least and the largest above that of parabolas through the tips; from 0 where resin is
         taken to reach them
+    least_fill
+        the least u of each groove
     """
 
     x: NDArray[np.float64]
@@ -73,6 +75,7 @@ class TraceModel:
     grooves: int
     held_slope: float | None = None
     wettings: tuple[float, float] = (-1.0, 1.0)
+    least_fill: float = 0.0
 
     @classmethod
     def of(
@@ -195,7 +198,8 @@ class TraceModel:
             low[WETTING:] = high[WETTING:] = [0.0, LIKELY_ROUND]
         if self.held_slope is not None:
             low[SLOPE] = high[SLOPE] = self.held_slope
-        return np.array(low + [0.0] * self.grooves), np.array(high + [self.top] * self.grooves)
+        fills = [self.least_fill] * self.grooves, [self.top] * self.grooves
+        return np.array(low + fills[0]), np.array(high + fills[1])
 
     def prior(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how many prior standard deviations all that have priors are off, (5,)."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.stylus.bound.below import Below, below_tips
+from mpfcad.film.stylus.bound.empty import may_be_empty
 from mpfcad.film.stylus.bound.half_width import design_of, half_widths
 from mpfcad.film.stylus.bound.slope import Held, held_fits
 from mpfcad.film.stylus.correlation import correlation_sum
@@ -92,6 +93,8 @@ def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
         slopes = (stated * float(np.exp(fits[0].off)), stated * float(np.exp(fits[-1].off)))
         slope = stated * float(np.exp(min(fits, key=lambda held: held.cost).off))
     far = [f if f > _FARTHER * float(half[0]) else 0.0 for f in _unseen(fit, design, noise)]
+    if may_be_empty(fit, noise):
+        far[1] = fit.model.top - mean
     return Spread(
         Bounds(fill.value, min(fill.low, mean - far[0]), max(fill.high, mean + far[1])),
         Bounds(
