@@ -26,6 +26,8 @@ SPECTRAL = {
 #: Where a stack states no wavelength.
 DEFAULT_WAVELENGTH_NM = 550.0
 _MOST = 10
+#: Ends of the names of shares of the light, 0 … 1.
+_SHARES = ("reflectance", "transmission", "absorptance")
 
 
 def dispersed(
@@ -55,9 +57,23 @@ def dispersed(
         )
     at = f"{where}.{key}: {laws[0]}"
     number = _number(at, laws[0], entry[laws[0]], float(wavelength_nm), of)
+    if laws[0] == "table_nm":
+        _check_rows(at, key, np.array(entry["table_nm"], float))
     rest = {name: value for name, value in entry.items() if name not in LAWS}
     said = f"{laws[0]} at {wavelength_nm:g} nm"
     return {**rest, "value": number, "source": f"{rest.get('source', 'given by the user')}; {said}"}
+
+
+def _check_rows(where: str, key: str, rows: np.ndarray) -> None:
+    """Raise unless every value of a table can be one, also where the wavelength is not."""
+    least = 1.0 if key.endswith("index") else 0.0
+    most = 1.0 if key.endswith(_SHARES) else math.inf
+    for number, (wavelength, value) in enumerate(rows, 1):
+        if not least <= value <= most:
+            expected = f"{least:g} … {most:g}" if most < math.inf else f"{least:g} or more"
+            raise InputError(
+                f"{where}: row {number}: {value:g} at {wavelength:g} nm: expected {expected}"
+            )
 
 
 def _number(where: str, law: str, numbers: object, wavelength_nm: float, of: str) -> float:

@@ -70,6 +70,14 @@ def test_absorption_reflectance_and_transmission_may_be_tables(tmp_path):
         ("film_absorption_per_mm = { cauchy = [0.1] }", "cauchy: expected one of table_nm"),
         ("resin_absorption_per_mm = { table_nm = [[400, 1], [500, 1]] }", "does not cover"),
         ("film_absorption_per_mm = { table_nm = [[400, -1], [700, -1]] }", "-1"),
+        (
+            "film_absorption_per_mm = { table_nm = [[400, -1], [500, 1], [700, 1]] }",
+            "row 1: -1 at 400 nm: expected 0 or more",
+        ),
+        (
+            "reflector_reflectance = { table_nm = [[400, 0.9], [700, 1.3]] }",
+            "row 2: 1.3 at 700 nm: expected 0 … 1",
+        ),
         ("thickness_mm = { table_nm = [[400, 20], [700, 20]] }", "expected a number"),
         ("resin_index = { cauchy = [0.9] }", "resin_index: 0.9"),
     ],
