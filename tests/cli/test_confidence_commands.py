@@ -49,7 +49,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 8)
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
-    monkeypatch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 7))
+    monkeypatch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 8))
 
     def trace(runs, steps, _):
         size = sum(z * (1 + i) for i, z in enumerate(steps))

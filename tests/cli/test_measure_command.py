@@ -29,7 +29,7 @@ def place(tmp_path_factory):
         patch.setenv("MPFCAD_CACHE", str(folder / "cache"))
         patch.setattr(rounds, "_LEAST_PATHS", 60_000)
         patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
-        patch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 7))
+        patch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 8))
         yield folder
 
 
@@ -58,7 +58,7 @@ def estimates(value):
 def test_measure_writes_its_files_and_every_figure_has_its_error(measured):
     assert sorted(path.name for path in measured.iterdir()) == FILES
     record = json.loads((measured / "measure.json").read_text())
-    lacking = {"psf", "panel", "polarisation"}
+    lacking = {"psf", "panel", "polarisation", "colour"}
     assert set(WHAT) - lacking <= set(record) and not lacking & set(record)
     found = [entry for entry in estimates(record) if "formula" not in entry]
     assert len(found) > 25
@@ -203,7 +203,7 @@ def test_a_job_and_a_preset_are_cases(place):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["measure", "film.stl", "--what", "colour"], "--what: colour: expected some of contrast"),
+        (["measure", "film.stl", "--what", "hue"], "--what: hue: expected some of contrast"),
         (["measure", "film.stl", "--what", "panel"], "extent: pitch: expected panel"),
         (["measure", "none.stl"], "none.stl: no such file"),
         (["measure", "none"], "none: no such preset"),
