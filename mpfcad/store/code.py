@@ -26,7 +26,7 @@ LIBRARIES = (
 _BELOW = ("llvmlite", "manifold3d", "miepython", "pydantic", "shapely", "xarray")
 #: What a trace depends on besides its inputs: `measure` and all that it imports.
 TRACE = (
-    "measure", "backlight", "optics", "film", "store", "boundary",
+    "measure", "backlight", "optics", "film", "spectrum", "store", "boundary",
     "compiling.py", "errors.py", "sound.py", "units.py",
 )  # fmt: skip
 #: What shows results or asks for them: no kept work depends on it.
