@@ -51,7 +51,7 @@ from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
 from mpfcad.optics.spectral.hue import look_at
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.stokes.engine import trace_block
-from mpfcad.optics.wave import Wave, enqueue, longest_queue
+from mpfcad.optics.wave import Wave, enqueue, take_longest
 
 #: Paths of one point in one block.
 BLOCK = NET
@@ -193,13 +193,10 @@ def follow_paths(scene, source, seed, stream, first, wave, radiance, flow, net, 
             scene, source, seed, stream, first, started, freed[:free], len(radiance), wave, score
         )
         free = 0
-        e, waiting = longest_queue(wave)
+        e, waiting = take_longest(wave)
         if waiting == 0:
             return caught
         rays = wave.batch[:waiting]
-        for i in range(waiting):
-            rays[i] = wave.queue[e, i]
-        wave.length[e] = 0
         pass_queue(scene, e, rays, wave, flow, score, None)
         is_under_gate = e + 1 == net.gate
         for i in range(waiting):

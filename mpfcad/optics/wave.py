@@ -93,10 +93,14 @@ def enqueue(wave, element, slot):
 
 
 @kernel
-def longest_queue(wave):
-    """Return (element, number) of the queue in which most wait."""
+def take_longest(wave):
+    """Move the queue in which most wait into the batch; return (element, number)."""
     best = 0
     for e in range(1, len(wave.length)):
         if wave.length[e] > wave.length[best]:
             best = e
-    return best, wave.length[best]
+    waiting = wave.length[best]
+    for i in range(waiting):
+        wave.batch[i] = wave.queue[best, i]
+    wave.length[best] = 0
+    return best, waiting

@@ -28,7 +28,7 @@ from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
 from mpfcad.optics.spectral.again import go_on_in_bands
 from mpfcad.optics.spectral.engine import Spectral
 from mpfcad.optics.spectral.hue import Hue, begin_hue, look_at, seen
-from mpfcad.optics.wave import SLOTS, Wave, enqueue, longest_queue
+from mpfcad.optics.wave import SLOTS, Wave, enqueue, take_longest
 
 #: Paths of one block: whole nets.
 BLOCK = 8 * NET
@@ -118,13 +118,10 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow, hue):
             _begin(scene, seed, first + uint64(started + i), freed[i], wave, hue)
         started += min(free, count - started)
         free = 0
-        e, waiting = longest_queue(wave)
+        e, waiting = take_longest(wave)
         if waiting == 0:
             return
         rays = wave.batch[:waiting]
-        for i in range(waiting):
-            rays[i] = wave.queue[e, i]
-        wave.length[e] = 0
         if e == last:
             for slot in rays:
                 if wave.upward[slot] != 0:

@@ -30,7 +30,7 @@ from mpfcad.optics.spectral.again import go_on_in_bands
 from mpfcad.optics.spectral.converter import conversion
 from mpfcad.optics.spectral.envelope import envelope
 from mpfcad.optics.spectral.hue import Hue, Tables, begin_hue
-from mpfcad.optics.wave import SLOTS, Wave, longest_queue
+from mpfcad.optics.wave import SLOTS, Wave, take_longest
 
 
 @entry
@@ -53,13 +53,10 @@ def trace_bands(scene, source, hue, seed, stream, first, wave, radiance, flow):
             scene, source, seed, stream, first, started, freed[:free], len(radiance), wave, None
         )
         free = 0
-        e, waiting = longest_queue(wave)
+        e, waiting = take_longest(wave)
         if waiting == 0:
             return
         rays = wave.batch[:waiting]
-        for i in range(waiting):
-            rays[i] = wave.queue[e, i]
-        wave.length[e] = 0
         pass_queue(scene, e, rays, wave, flow, None, hue)
         for i in range(waiting):
             slot = uint64(rays[i])
