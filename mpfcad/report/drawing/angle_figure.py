@@ -11,6 +11,7 @@ from mpfcad.report.drawing.figure import (
     THIRD_COLOUR,
     fitted_curve,
     line,
+    place_map,
     rounded,
     styled,
 )
@@ -113,44 +114,20 @@ def _on_map(conoscope: dict[str, Any], polar: np.ndarray, azimuth: np.ndarray) -
 
 def panel_figure(panel: dict[str, Any], lamps_level: bool) -> "go.Figure":
     """Return the panel's map as it lies on the screen."""
-    import plotly.graph_objects as go
-
     value = np.array(panel["luminance_cd_m2"])
     across, along = rounded(panel["across_mm"], 3), rounded(panel["along_mm"], 3)
     x, y, shown = (along, across, value) if lamps_level else (across, along, value.T)
-    figure = go.Figure(
-        go.Heatmap(
-            x=x, y=y, z=[rounded(row, 1) for row in shown], colorscale="Viridis",
-            colorbar={"title": {"text": "cd/m²"}},
-            hovertemplate="%{x} mm, %{y} mm: %{z} cd/m²<extra></extra>",
-        )
-    )  # fmt: skip
-    styled(figure, 460)
-    figure.update_xaxes(title_text="[mm]", constrain="domain")
-    figure.update_yaxes(title_text="[mm]", scaleanchor="x", constrain="domain")
-    figure.update_layout(hovermode="closest")
-    return figure
+    rows, bar = [rounded(row, 1) for row in shown], {"title": {"text": "cd/m²"}}
+    return place_map(x, y, rows, bar, "%{z} cd/m²", ("[mm]", "[mm]"))
 
 
 def cell_figure(cell: dict[str, Any]) -> "go.Figure":
     """Return the luminance over a cell of LEDs over its mean, the cell's middle at 0."""
-    import plotly.graph_objects as go
-
     value = np.array(cell["luminance_cd_m2"])
     bins = (np.arange(len(value)) + 0.5) / len(value) - 0.5
-    figure = go.Figure(
-        go.Heatmap(
-            x=rounded(bins * cell["across_mm"], 3), y=rounded(bins * cell["along_mm"], 3),
-            z=[rounded(row, 4) for row in (value / value.mean() - 1).T], colorscale="Viridis",
-            colorbar={"title": {"text": "over mean − 1"}},
-            hovertemplate="%{x} mm, %{y} mm: %{z}<extra></extra>",
-        )
-    )  # fmt: skip
-    styled(figure, 460)
-    figure.update_xaxes(title_text="across [mm]", constrain="domain")
-    figure.update_yaxes(title_text="along [mm]", scaleanchor="x", constrain="domain")
-    figure.update_layout(hovermode="closest")
-    return figure
+    x, y = (rounded(bins * cell[side], 3) for side in ("across_mm", "along_mm"))
+    rows = [rounded(row, 4) for row in (value / value.mean() - 1).T]
+    return place_map(x, y, rows, {"title": {"text": "over mean − 1"}}, "%{z}")
 
 
 def pitch_figure(curves: list[tuple[str, dict[str, Any], str]]) -> "go.Figure":

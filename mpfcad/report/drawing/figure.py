@@ -167,6 +167,31 @@ def rounded(values: ArrayLike, digits: int) -> list[float]:
     return np.round(np.asarray(values, float), digits).tolist()
 
 
+def place_map(
+    x: list[float],
+    y: list[float],
+    rows: list[list[float]],
+    bar: dict[str, Any],
+    hover: str,
+    axes: tuple[str, str] = ("across [mm]", "along [mm]"),
+    **scale: float,
+) -> "go.Figure":
+    """Return a map over places, true to scale: a row of values for each y."""
+    import plotly.graph_objects as go
+
+    figure = go.Figure(
+        go.Heatmap(
+            x=x, y=y, z=rows, colorscale="Viridis", colorbar=bar,
+            hovertemplate=f"%{{x}} mm, %{{y}} mm: {hover}<extra></extra>", **scale,
+        )
+    )  # fmt: skip
+    styled(figure, 460)
+    figure.update_xaxes(title_text=axes[0], constrain="domain")
+    figure.update_yaxes(title_text=axes[1], scaleanchor="x", constrain="domain")
+    figure.update_layout(hovermode="closest")
+    return figure
+
+
 def styled(figure: "go.Figure", height: int) -> "go.Figure":
     """Return the figure in the dress of the page."""
     figure.update_layout(

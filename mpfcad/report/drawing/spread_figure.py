@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpfcad.measure import reach
-from mpfcad.report.drawing.figure import FILM_COLOUR, THIRD_COLOUR, line, rounded, styled
+from mpfcad.report.drawing.figure import FILM_COLOUR, THIRD_COLOUR, line, place_map, rounded, styled
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -18,29 +18,17 @@ _FREEDOM = 31.0
 
 def spread_figure(led: dict[str, Any]) -> "go.Figure":
     """Return the luminance that one LED makes, over its largest, on a logarithmic scale."""
-    import plotly.graph_objects as go
-
     value = np.array(led["luminance_cd_m2"])
     across, along = (
-        (np.arange(n) + 0.5 - n / 2) * size
+        rounded((np.arange(n) + 0.5 - n / 2) * size, 3)
         for n, size in zip(value.shape, led["bin_mm"], strict=True)
     )
     shown = np.log10(np.maximum(value / value.max(), _LEAST))
     ticks = list(range(round(np.log10(_LEAST)), 1))
-    figure = go.Figure(
-        go.Heatmap(
-            x=rounded(across, 3), y=rounded(along, 3), z=[rounded(row, 3) for row in shown.T],
-            colorscale="Viridis", zmin=ticks[0], zmax=0,
-            colorbar={"title": {"text": "over largest"}, "tickvals": ticks,
-                      "ticktext": [f"{10.0**tick:g}" for tick in ticks]},
-            hovertemplate="%{x} mm, %{y} mm: 10^%{z}<extra></extra>",
-        )
-    )  # fmt: skip
-    styled(figure, 460)
-    figure.update_xaxes(title_text="across [mm]", constrain="domain")
-    figure.update_yaxes(title_text="along [mm]", scaleanchor="x", constrain="domain")
-    figure.update_layout(hovermode="closest")
-    return figure
+    bar = {"title": {"text": "over largest"}, "tickvals": ticks,
+           "ticktext": [f"{10.0**tick:g}" for tick in ticks]}  # fmt: skip
+    rows = [rounded(row, 3) for row in shown.T]
+    return place_map(across, along, rows, bar, "10^%{z}", zmin=ticks[0], zmax=0)
 
 
 def block_figure(block: dict[str, Any]) -> "go.Figure":
