@@ -6,6 +6,7 @@ import numpy as np
 
 from mpfcad.measure.colour.chromaticity import Colour
 from mpfcad.measure.colour.screen import ANGLES, ColourResult, Places
+from mpfcad.record.luminance import numbers
 from mpfcad.record.measurement import describe_estimate
 
 
@@ -15,11 +16,11 @@ def describe_colour(result: ColourResult, wavelength: tuple[float, ...]) -> dict
         "mean": _describe_mean(result.mean),
         "colour_mura": describe_estimate(result.mura),
         "over_screen": {
-            "x_mm": _numbers(result.position[:, 0]),
-            "y_mm": _numbers(result.position[:, 1]),
+            "x_mm": numbers(result.position[:, 0]),
+            "y_mm": numbers(result.position[:, 1]),
             **_describe_places(result.over_screen),
         },
-        "bands": {"wavelength_nm": list(wavelength), "power_share": _numbers(result.power)},
+        "bands": {"wavelength_nm": list(wavelength), "power_share": numbers(result.power)},
         "paths": int(result.paths),
     }
     if result.across is None or result.along is None:
@@ -50,14 +51,10 @@ def _describe_mean(colour: Colour) -> dict[str, Any]:
 
 def _describe_places(places: Places) -> dict[str, Any]:
     return {
-        "luminance_cd_m2": _numbers(places.luminance),
-        "u_prime": _numbers(places.uv[:, 0]),
-        "v_prime": _numbers(places.uv[:, 1]),
-        "standard_error_u_prime": _numbers(places.error[:, 0]),
-        "standard_error_v_prime": _numbers(places.error[:, 1]),
+        "luminance_cd_m2": numbers(places.luminance),
+        "u_prime": numbers(places.uv[:, 0]),
+        "v_prime": numbers(places.uv[:, 1]),
+        "standard_error_u_prime": numbers(places.error[:, 0]),
+        "standard_error_v_prime": numbers(places.error[:, 1]),
         "degrees_of_freedom": int(places.freedom),
     }
-
-
-def _numbers(values: Any) -> list[float]:
-    return [float(value) for value in values]

@@ -25,17 +25,17 @@ def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
         return dict.fromkeys(TRACE_KEYS)
     return {
         "luminance": {
-            "position_pitch": _numbers(result.position_pitch),
-            "luminance_cd_m2": _numbers(result.luminance),
-            "standard_error_cd_m2": _numbers(result.standard_error),
+            "position_pitch": numbers(result.position_pitch),
+            "luminance_cd_m2": numbers(result.luminance),
+            "standard_error_cd_m2": numbers(result.standard_error),
         },
         "degrees_of_freedom": float(result.freedom),
         "fit": {
-            "coefficient_cd_m2": _numbers(result.fit.coefficient),
+            "coefficient_cd_m2": numbers(result.fit.coefficient),
             "chi2_excess": float(result.fit.chi2_excess),
         },
         "curve": {
-            "luminance_cd_m2": _numbers(result.central_curve),
+            "luminance_cd_m2": numbers(result.central_curve),
             "values": result.curve.values,
             "misfit": result.curve.misfit,
             "smoothed": not result.curve.is_sharp,
@@ -49,8 +49,8 @@ def describe_luminance(result: LuminanceResult | None) -> dict[str, Any]:
         "paths": int(result.paths),
         "convergence": {
             "paths": [int(row[0]) for row in result.convergence],
-            "contrast": _numbers(result.convergence[:, 1]),
-            "ci95": [_numbers(row[2:]) for row in result.convergence],
+            "contrast": numbers(result.convergence[:, 1]),
+            "ci95": [numbers(row[2:]) for row in result.convergence],
         },
         "accelerator": result.accelerator,
     }
@@ -62,7 +62,7 @@ def _pitches(result: LuminanceResult) -> list[dict[str, Any]]:
     if judged is None:
         return []
     return [
-        {**_estimate(one), "from_to_mm": _numbers(judged.place(i)), "judged": judged.is_judged(i)}
+        {**_estimate(one), "from_to_mm": numbers(judged.place(i)), "judged": judged.is_judged(i)}
         for i, one in enumerate(result.pitches)
     ]
 
@@ -76,7 +76,7 @@ def _judged(result: LuminanceResult) -> dict[str, Any]:
         "first_pitch": judged.first + 1,
         "last_pitch": judged.stop,
         "worst_pitch": worst + 1,
-        "worst_from_to_mm": _numbers(judged.place(worst)),
+        "worst_from_to_mm": numbers(judged.place(worst)),
         "words": result.where,
     }
 
@@ -85,7 +85,8 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
     return {"value": float(estimate.value), "ci95": [float(estimate.low), float(estimate.high)]}
 
 
-def _numbers(values: Any) -> list[float]:
+def numbers(values: Any) -> list[float]:
+    """Return an array's values as plain numbers."""
     return [float(value) for value in values]
 
 

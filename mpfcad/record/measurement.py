@@ -21,7 +21,7 @@ from mpfcad.measure import (
     relative_spread,
 )
 from mpfcad.measure.polarisation import ANGLES
-from mpfcad.record.luminance import describe_luminance
+from mpfcad.record.luminance import describe_luminance, numbers
 from mpfcad.units import deg
 
 #: Of the records below; figures kept under another one are measured anew.
@@ -68,8 +68,8 @@ def describe_angular(result: AngularResult) -> dict[str, Any]:
 def _describe_curve(curve: AngularCurve) -> dict[str, Any]:
     return {
         "angle_deg": _degrees(curve.angle),
-        "luminance_cd_m2": _numbers(curve.luminance),
-        "standard_error_cd_m2": _numbers(curve.standard_error),
+        "luminance_cd_m2": numbers(curve.luminance),
+        "standard_error_cd_m2": numbers(curve.standard_error),
         "degrees_of_freedom": float(curve.freedom),
         "fwhm_deg": describe_estimate(curve.fwhm, 1 / deg),
         "third_of_normal_width_deg": describe_estimate(curve.third, 1 / deg),
@@ -81,8 +81,8 @@ def describe_conoscope(result: ConoscopeResult) -> dict[str, Any]:
     return {
         "polar_deg": _degrees(result.polar),
         "azimuth_deg": _degrees(result.azimuth),
-        "luminance_cd_m2": [_numbers(row) for row in result.luminance],
-        "standard_error_cd_m2": [_numbers(row) for row in result.standard_error],
+        "luminance_cd_m2": [numbers(row) for row in result.luminance],
+        "standard_error_cd_m2": [numbers(row) for row in result.standard_error],
         "exitance_lm_m2": describe_estimate(result.exitance),
         "paths": result.paths,
     }
@@ -103,9 +103,9 @@ def describe_flux(result: FluxResult) -> dict[str, Any]:
 def describe_uniformity(result: UniformityResult) -> dict[str, Any]:
     """Return the luminance on the screen's points and the uniformities."""
     return {
-        "point_share": [_numbers(point) for point in result.point],
-        "luminance_cd_m2": _numbers(result.luminance),
-        "standard_error_cd_m2": _numbers(result.standard_error),
+        "point_share": [numbers(point) for point in result.point],
+        "luminance_cd_m2": numbers(result.luminance),
+        "standard_error_cd_m2": numbers(result.standard_error),
         "uniformity_min_over_max": {
             str(count): describe_estimate(value) for count, value in result.uniformity.items()
         },
@@ -122,8 +122,8 @@ def describe_camera(result: CameraResult) -> dict[str, Any]:
     return {
         "pixel_mm": result.pixel,
         **(of_cell if result.cells else {}),
-        "luminance_cd_m2": [_numbers(line) for line in result.luminance],
-        "standard_error_cd_m2": [_numbers(line) for line in result.standard_error],
+        "luminance_cd_m2": [numbers(line) for line in result.luminance],
+        "standard_error_cd_m2": [numbers(line) for line in result.standard_error],
         "paths": result.paths,
     }
 
@@ -132,10 +132,10 @@ def describe_panel(result: PanelResult) -> dict[str, Any]:
     """Return the panel's map, a row for each place across the lamps, and its corners."""
     names = ("left_near", "left_far", "right_near", "right_far")
     return {
-        "across_mm": _numbers(result.across),
-        "along_mm": _numbers(result.along),
-        "luminance_cd_m2": [_numbers(row) for row in result.luminance],
-        "standard_error_cd_m2": [_numbers(row) for row in result.standard_error],
+        "across_mm": numbers(result.across),
+        "along_mm": numbers(result.along),
+        "luminance_cd_m2": [numbers(row) for row in result.luminance],
+        "standard_error_cd_m2": [numbers(row) for row in result.standard_error],
         "corner_over_middle": {
             name: describe_estimate(corner)
             for name, corner in zip(names, result.corner, strict=True)
@@ -194,10 +194,6 @@ def ratio(over: dict[str, Any], under: dict[str, Any]) -> dict[str, Any]:
     )
     assert described is not None  # an estimate was given
     return described
-
-
-def _numbers(values: Any) -> list[float]:
-    return [float(value) for value in values]
 
 
 def _degrees(values: Any) -> list[float]:
