@@ -56,9 +56,7 @@ def dispersed(
             f"{where}.{key}: {laws[0]}: light_wavelength_nm {wavelength_nm!r}: expected a number"
         )
     at = f"{where}.{key}: {laws[0]}"
-    number = _number(at, laws[0], entry[laws[0]], float(wavelength_nm), of)
-    if laws[0] == "table_nm":
-        _check_rows(at, key, np.array(entry["table_nm"], float))
+    number = _number(at, key, laws[0], entry[laws[0]], float(wavelength_nm), of)
     rest = {name: value for name, value in entry.items() if name not in LAWS}
     said = f"{laws[0]} at {wavelength_nm:g} nm"
     return {**rest, "value": number, "source": f"{rest.get('source', 'given by the user')}; {said}"}
@@ -76,8 +74,10 @@ def _check_rows(where: str, key: str, rows: np.ndarray) -> None:
             )
 
 
-def _number(where: str, law: str, numbers: object, wavelength_nm: float, of: str) -> float:
-    """Return the value that a law has at a wavelength."""
+def _number(
+    where: str, key: str, law: str, numbers: object, wavelength_nm: float, of: str
+) -> float:
+    """Return the value that a law has at a wavelength; `key` names what it is of."""
     try:
         values = np.array(numbers, float)
     except (TypeError, ValueError):
@@ -101,6 +101,7 @@ def _number(where: str, law: str, numbers: object, wavelength_nm: float, of: str
                 f"{where}: {values[0, 0]:g} … {values[-1, 0]:g} nm: does not cover "
                 f"{of} {wavelength_nm:g}"
             )
+        _check_rows(where, key, values)
         return float(np.interp(wavelength_nm, values[:, 0], values[:, 1]))
     expected = {
         "cauchy": "A, B, C", "sellmeier": "pairs B, C", "table_nm": "rising [wavelength, value]",
