@@ -15,6 +15,7 @@ from mpfcad.pipeline.measure.figures import WHAT, Measuring
 from mpfcad.pipeline.measure.led_case import read_cases
 from mpfcad.pipeline.measure.measure import default_measure_out, default_what, measure_film
 from mpfcad.pipeline.measure.rays import write_rays
+from mpfcad.pipeline.measure.trace import trace_mesh
 from mpfcad.pipeline.plan.need import available_memory, run_need
 from mpfcad.pipeline.plan.plan import Plan, read_plan
 from mpfcad.pipeline.plan.restored import restore_plan
@@ -30,7 +31,6 @@ from mpfcad.pipeline.run.run import (
     make_mask,
     make_planned_mask,
     run_job,
-    trace_mesh,
 )
 from mpfcad.pipeline.run.verify import verify_export
 from mpfcad.pipeline.sweep.run import default_sweep_out, run_sweep

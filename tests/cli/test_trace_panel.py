@@ -7,7 +7,7 @@ from harness import film_file, groove
 
 from mpfcad.cli import run_app
 from mpfcad.pipeline.effort import TraceSetting
-from mpfcad.pipeline.run import run as module
+from mpfcad.pipeline.measure import trace as module
 
 STACK = """extends = "thesis-32in-mpf"
 extent = "panel"

@@ -24,7 +24,7 @@ def run(capsys, *arguments):
 @pytest.fixture
 def short(monkeypatch):
     from mpfcad.pipeline.effort import TraceSetting
-    from mpfcad.pipeline.run import run as module
+    from mpfcad.pipeline.measure import trace as module
 
     setting = {"quick": TraceSetting(half_width_goal=1.0, path_limit=1)}
     monkeypatch.setattr(module, "TRACE_SETTINGS", setting)
