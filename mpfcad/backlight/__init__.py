@@ -5,8 +5,8 @@ A `Stack` is a list of layers from the lamps up and a table of numbers, each tag
 user's own.
 """
 
-from mpfcad.backlight.bsdf_layer import BsdfLayer, restore_bsdf_layer
-from mpfcad.backlight.layer import LAYERS, Layer
+from mpfcad.backlight.layer.bsdf import BsdfLayer, restore_bsdf_layer
+from mpfcad.backlight.layer.stated import LAYERS, Layer
 from mpfcad.backlight.quantity import Quantity, ranges_with
 from mpfcad.backlight.reader import list_stacks, read_stack
 from mpfcad.backlight.source import Emitters, LightSource, Period, restore_spec

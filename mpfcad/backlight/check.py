@@ -1,8 +1,8 @@
 """What the layers and numbers of a stack must be together."""
 
 from mpfcad.backlight.array_mesh import made_mesh
-from mpfcad.backlight.layer import MADE_KINDS, POLARISING, Layer
-from mpfcad.backlight.plane_layer import matrix_of
+from mpfcad.backlight.layer.plane import matrix_of
+from mpfcad.backlight.layer.stated import MADE_KINDS, POLARISING, Layer
 from mpfcad.backlight.quantity import FILM_LAYERS, FILM_RANGES
 from mpfcad.backlight.source import LedSpec
 from mpfcad.backlight.stack import Stack

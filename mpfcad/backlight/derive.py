@@ -1,6 +1,6 @@
 """Numbers of a stack that follow from others: defaults, and what particles scatter."""
 
-from mpfcad.backlight.layer import LEFT_OUT, OWN_VALUES
+from mpfcad.backlight.layer.stated import LEFT_OUT, OWN_VALUES
 from mpfcad.backlight.particle import MEDIUM, PARTICLE, build_particles
 from mpfcad.backlight.quantity import Quantity, Tag
 from mpfcad.backlight.stack import Stack

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from mpfcad.backlight.array_mesh import made_mesh
-from mpfcad.backlight.film_layer import lower_film
-from mpfcad.backlight.layer import CONVERTER, POLARISING
+from mpfcad.backlight.layer.film import lower_film
+from mpfcad.backlight.layer.plane import depolarisation_of, lower_plane
+from mpfcad.backlight.layer.stated import CONVERTER, POLARISING
 from mpfcad.backlight.particle import build_particles
-from mpfcad.backlight.plane_layer import depolarisation_of, lower_plane
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
 from mpfcad.optics.element import BsdfSheet, Element, Film, LibraryFilm, Sheet, Slab

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeGuard
 
-from mpfcad.backlight.layer import OWN_VALUES, Layer
+from mpfcad.backlight.layer.stated import OWN_VALUES, Layer
 from mpfcad.backlight.source.protocol import Range, SourceSpec
 from mpfcad.errors import InputError
 

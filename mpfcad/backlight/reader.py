@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from mpfcad.backlight.bsdf_layer import BsdfLayer, read_bsdf_layer
 from mpfcad.backlight.check import check_layers, check_made
 from mpfcad.backlight.derive import derive
 from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM, LAWS, dispersed
-from mpfcad.backlight.layer import CONVERTER, read_layer
+from mpfcad.backlight.layer.bsdf import BsdfLayer, read_bsdf_layer
+from mpfcad.backlight.layer.stated import CONVERTER, read_layer
 from mpfcad.backlight.light import Light, build_bands, read_light
 from mpfcad.backlight.quantity import ranges_with, read_quantity
 from mpfcad.backlight.source import SourceSpec, TubeSpec, read_spec

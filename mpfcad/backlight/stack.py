@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
-from mpfcad.backlight.bsdf_layer import BsdfLayer
-from mpfcad.backlight.layer import CONVERTER, FILM_KINDS, LAYERS, Layer
+from mpfcad.backlight.layer.bsdf import BsdfLayer
+from mpfcad.backlight.layer.stated import CONVERTER, FILM_KINDS, LAYERS, Layer
 from mpfcad.backlight.light import light_inputs
 from mpfcad.backlight.quantity import (
     FILM_RANGES,

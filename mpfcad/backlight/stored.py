@@ -3,8 +3,8 @@
 from dataclasses import asdict
 from typing import Any
 
-from mpfcad.backlight.bsdf_layer import restore_bsdf_layer
-from mpfcad.backlight.layer import Layer
+from mpfcad.backlight.layer.bsdf import restore_bsdf_layer
+from mpfcad.backlight.layer.stated import Layer
 from mpfcad.backlight.light import describe_bands, restore_bands
 from mpfcad.backlight.quantity import Quantity
 from mpfcad.backlight.source import restore_spec

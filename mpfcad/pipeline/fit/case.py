@@ -9,7 +9,7 @@ import numpy as np
 
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.backlight.check import check_layers
-from mpfcad.backlight.layer import LAYERS
+from mpfcad.backlight.layer.stated import LAYERS
 from mpfcad.boundary import reason_of
 from mpfcad.errors import ExportError, InputError
 from mpfcad.film import Groove, PrismFilm

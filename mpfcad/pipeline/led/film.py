@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mpfcad.backlight import Stack
-from mpfcad.backlight.layer import OWN_VALUES
+from mpfcad.backlight.layer.stated import OWN_VALUES
 from mpfcad.film import CurvatureSeries, PieceLibrary, build_library
 from mpfcad.job import CadTable
 from mpfcad.job.led_design import LedDesign

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 from mpfcad.backlight import Stack
-from mpfcad.backlight.layer import CONVERTER, POLARISING
+from mpfcad.backlight.layer.stated import CONVERTER, POLARISING
 from mpfcad.backlight.quantity import FILM_LAYERS
 from mpfcad.report.drawing import svg
 

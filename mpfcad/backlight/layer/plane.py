@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM
-from mpfcad.backlight.layer import MUELLER_ENTRIES
+from mpfcad.backlight.layer.stated import MUELLER_ENTRIES
 from mpfcad.backlight.stack import Stack
 from mpfcad.optics.stokes.mueller import MuellerLayer
 from mpfcad.optics.stokes.plane import PlaneLayer
