@@ -17,7 +17,7 @@ from mpfcad.design.reprint import Reprint, Seen, find_reprint
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
 from mpfcad.export.manifest import kind_of
-from mpfcad.film import Process
+from mpfcad.film import Process, read_process
 from mpfcad.job import build_job
 from mpfcad.job.design import JOB_TABLES, Design
 from mpfcad.job.reader import validate
@@ -34,12 +34,15 @@ from mpfcad.pipeline.design.aim import design_constraint, design_goal
 from mpfcad.pipeline.design.operators import model_operators
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.judge import Judging
-from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.plan import Plan, read_plan
+from mpfcad.pipeline.plan.printed.process import read_job_process
 from mpfcad.pipeline.plan.restored import restore_plan
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.store import Store
 
 CORRECT_SCHEMA = 1
+#: The calibration beside the next job.
+PROCESS = "process.toml"
 _NODE_STEP, _HARMONICS = 6.0, 4
 #: C [1/mm] this near to a limit is at it.
 _NEAR = 0.5
@@ -146,13 +149,38 @@ def _fitted(plan: Plan, file: Path) -> Stack:
 
 
 def _process(plan: Plan, file: Path | None) -> Process:
-    """Return the process as printed: of the coupons, if there are any."""
-    from mpfcad.film import read_process
+    """Return the process as printed: of the coupons, if there are any, as the next job reads them.
 
+    Raises
+    ------
+    InputError
+        when the calibration does not fit the job's screen.
+    """
+    process = plan.process
     if file is not None:
-        return read_process(file, plan.job.film.groove)
-    assert plan.process is not None
-    return plan.process
+        job = build_job(_calibrated(plan, file), plan.job.name)
+        process = read_job_process(job, file, plan.job.film.groove, str(file))
+    assert process is not None
+    return process
+
+
+def _calibrated(plan: Plan, file: Path) -> dict[str, Any]:
+    """Return the printed job with a calibration, without what a calibration says itself."""
+    process = read_process(file, plan.job.film.groove)
+    document = dict(plan.job.given())
+    table = {**document.get("process", {}), "calibration": PROCESS}
+    table.pop("model", None)
+    if process.kind == "table":
+        # Its rows are of the resin that was printed, however thin that was.
+        table.pop("solids_fraction", None)
+    document["process"] = table
+    if "mesh" in document.get("mask", {}) and isinstance(document["mask"]["mesh"], dict):
+        mesh = {k: v for k, v in document["mask"]["mesh"].items() if k != "release"}
+        document["mask"] = {**document["mask"], "mesh": mesh}
+    if process.fill_deviation(0.5) is not None and "confidence" in document:
+        own = {k: v for k, v in document["confidence"].items() if k != "resin_percent"}
+        document["confidence"] = own
+    return document
 
 
 def _printed(plan: Plan, process: Process) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -275,12 +303,12 @@ def _write_job(
     position = reprint.position * plan.stack.period.across
     lines = [f"{x:.6f},{c:.6f}" for x, c in zip(position, reprint.curvature, strict=True)]
     write_text(folder / f"{name}.csv", "\n".join(["position_mm,curvature_per_mm", *lines, ""]))
-    document = dict(plan.job.given())
+    document = dict(plan.job.given()) if process_file is None else _calibrated(plan, process_file)
     document |= {"name": name, "map": {"file": f"{name}.csv", "extent": "pitch"}}
     text = plan.calibration if process_file is None else process_file.read_text("utf-8")
     if text is not None:
-        write_text(folder / "process.toml", text)
-        document["process"] = {**document.get("process", {}), "calibration": "process.toml"}
+        write_text(folder / PROCESS, text)
+        document["process"] = {**document.get("process", {}), "calibration": PROCESS}
     if stack_file is not None or plan.job.stack.file is not None:
         write_text(folder / "stack.toml", tomli_w.dumps(stack_tables(plan.stack)))
         document["stack"] = {"file": "stack.toml"}
@@ -288,8 +316,9 @@ def _write_job(
         names, matrix = read_covariance(stack_file.parent / "covariance.csv")
         together = {"names": names, "matrix": matrix.tolist()}
         document["confidence"] = {**document.get("confidence", {}), **together}
-    build_job(document, name)
-    write_text(folder / f"{name}.toml", tomli_w.dumps(document))
+    job = folder / f"{name}.toml"
+    write_text(job, tomli_w.dumps(document))
+    read_plan(build_job(document, name), job)
 
 
 def _write_difference(folder: Path, plan: Plan, process: Process, reprint: Reprint) -> None:

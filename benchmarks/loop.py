@@ -1,0 +1,195 @@
+"""The loop after the print, closed in made-up factories: how often the next film passes.
+
+`python benchmarks/loop.py [JOB] [--draws N] [--first K] [--json]`. A factory is a backlight and a
+printing process drawn from the widths of the job; nobody tells the program which. Its first print
+is that of the job. A meter measures the print over two lamp pitches, coupons tell the process, and
+`mpfcad correct` writes the next job, which the same factory prints. Each print lies elsewhere
+against the lamps. About two CPU minutes a factory.
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).parents[1]
+JOB = ROOT / "masks" / "patterned-16mm.toml"
+#: Seed of the first factory; none of the program's own.
+SEED = 30_000
+#: Errors of the instruments: a point of the meter, a coupon's curvature [1/mm].
+METER, STYLUS = 0.002, 0.5
+COUPONS = (0.06, 0.10, 0.16, 0.24, 0.34, 0.46, 0.60, 0.75, 0.90)
+#: Places along two lamp pitches.
+MEASURED = 49
+
+
+@dataclass(frozen=True, eq=False)
+class Factory:
+    """A backlight and a process that only prints and measurements show.
+
+    Attributes
+    ----------
+    steps
+        (k,) of the inputs of the job [sigma]; names and the inputs themselves beside them
+    log_fill
+        deviation of ln(fill) at `ratio`, (m,) float64
+    rng
+        of its laying and its instruments
+    """
+
+    factors: list
+    steps: NDArray[np.float64]
+    ratio: NDArray[np.float64]
+    log_fill: NDArray[np.float64]
+    rng: np.random.Generator
+
+    def fill(self, process, ratio):
+        """Return what fill fraction apertures give here, where the job's process says another."""
+        off = np.interp(ratio, self.ratio, self.log_fill)
+        return np.clip(process.fill_fraction(ratio) * np.exp(off), 0, 0.999)
+
+
+def draw_factory(variants, process, seed: int) -> Factory:
+    """Return a factory drawn from the widths of a job and its process."""
+    rng = np.random.Generator(np.random.Philox(seed))
+    factors = variants.factors()
+    steps = np.array([
+        float(f.within(np.array(z)))
+        for f, z in zip(factors, rng.standard_normal(len(factors)), strict=True)
+    ])  # fmt: skip
+    ratio = np.linspace(0.005, 1.0, 200)
+    modes = process.fill_modes(ratio)
+    return Factory(factors, steps, ratio, rng.standard_normal(len(modes)) @ modes, rng)
+
+
+def printed(factory: Factory, variants, plan, process, folder: Path):
+    """Return the luminance over the pitch of the film that the factory makes of a mask."""
+    from mpfcad.cad import write_stl
+    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+    from mpfcad.pipeline.effort import available_threads
+
+    change = {f.name: z * f.sigma for f, z in zip(factory.factors, factory.steps, strict=True)}
+    piece, groove = plan.piece, plan.piece.groove
+    fill = factory.fill(process, plan.process.aperture_ratio_of_curvature(piece.curvature))
+    made = replace(groove, depth=groove.depth + change["depth_um"] / 1000)
+    # As in the confidence: the resin of an area is stated, so the share of the groove.
+    film = replace(
+        piece, groove=made, base=piece.base + change["base_um"] / 1000,
+        curvature=made.curvature_of_fill(fill),
+    )  # fmt: skip
+    path = folder / "printed.stl"
+    write_stl(film, path, plan.angle_tolerance)
+    stack = variants.stack
+    values = {
+        name: replace(stack.quantity[name], value=stack.quantity[name].value + by)
+        for name, by in change.items() if name in stack.quantity
+    }  # fmt: skip
+    sigma = next(f.sigma for f in factory.factors if f.name == "registration_mm")
+    shift = plan.offset + factory.rng.normal(0, sigma)
+    run = TraceRun(
+        seed=int(factory.rng.integers(1 << 32)), path_limit=8_000_000,
+        threads=available_threads(),
+    )  # fmt: skip
+    lit = light_film(stack.with_values(values), path, shift)
+    return luminance_over_pitch(lit, run, half_width_goal=0.001)
+
+
+def measure(factory: Factory, light, pitch: float, file: Path) -> None:
+    """Write what a meter reads of a print over two lamp pitches."""
+    place = np.linspace(0, 2, MEASURED)
+    true = np.interp(place % 1, light.position_pitch, light.central_curve)
+    seen = true * (1 + METER * factory.rng.standard_normal(MEASURED))
+    lines = [f"{p * pitch:.4f},{v:.2f}" for p, v in zip(place, seen, strict=True)]
+    file.write_text("\n".join(["position_mm,luminance_cd_m2", *lines, ""]), "utf-8")
+
+
+def coupons(factory: Factory, plan, file: Path) -> None:
+    """Write the calibration that coupons of the print give: curvatures with a stylus's error."""
+    from mpfcad.film import PRIOR_RELEASE, Coupon, prior_belief, write_tone_process
+    from mpfcad.pipeline.plan.printed.process import screen_mesh
+    from mpfcad.units import um
+
+    process, groove, job = plan.process, plan.job.film.groove, plan.job
+    mesh, solids = screen_mesh(job.mask.mesh, "loop"), job.process.solids_fraction
+    found, empty = [], groove.curvature_of_fill(0.0)
+    for ratio in COUPONS:
+        true = float(groove.curvature_of_fill(factory.fill(process, ratio)))
+        read = true + STYLUS * factory.rng.standard_normal()
+        if 1 < read < empty - 2 * STYLUS:
+            ends = read - 1.96 * STYLUS, read + 1.96 * STYLUS
+            found.append(Coupon(ratio, read, f"{ratio:g}", *ends))
+    screen = {
+        "mesh": mesh.name, "volume_cm3_m2": round(mesh.volume / um, 6), "solids_fraction": solids,
+    }  # fmt: skip
+    prior = prior_belief(solids * mesh.transfer_factor(groove, PRIOR_RELEASE))
+    write_tone_process(file, found, groove, prior, screen)
+
+
+def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
+    """Return the contrasts of a factory's prints and what was predicted of them."""
+    from mpfcad.job import read_job
+    from mpfcad.pipeline.confidence.find import variants_of
+    from mpfcad.pipeline.correct import correct_print
+    from mpfcad.pipeline.judge import Judging
+    from mpfcad.pipeline.plan.plan import read_plan
+    from mpfcad.pipeline.progress import SILENT
+    from mpfcad.pipeline.run.make import write_cad
+    from mpfcad.pipeline.run.run import run_job
+
+    plan = read_plan(read_job(job), job)
+    write_cad(plan, folder, ("stl",), SILENT)
+    with variants_of(plan, folder) as variants:
+        process, pitch = plan.process, plan.stack.period.across
+        factory = draw_factory(variants, process, seed)
+        coupons(factory, plan, folder / "coupons.toml")
+        found, told, limit = [], [], plan.job.gates.contrast_pass
+        for number in range(corrections + 1):
+            light = printed(factory, variants, plan, process, folder)
+            found.append(light.contrast.value)
+            if number == corrections or found[-1] <= limit:
+                break
+            export = folder / f"export-{number}"
+            run_job(read_job(job), job, export, effort="quick")
+            measure(factory, light, pitch, folder / f"measured-{number}.csv")
+            out = folder / f"next-{number}"
+            record = correct_print(
+                export, folder / f"measured-{number}.csv", Judging(lamp=0.0), out,
+                process_file=folder / "coupons.toml",
+            )  # fmt: skip
+            told.append([record["predicted_lamp_mura_contrast"]["value"], record["confidence"]])
+            job = out / f"{record['name']}.toml"
+            plan = read_plan(read_job(job), job)
+    return {
+        "seed": seed,
+        "contrast": found,
+        "told": told,
+        "log_fill": float(np.mean(factory.log_fill)),
+    }
+
+
+def main() -> int:
+    """Print each factory's contrasts, and how many passed."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("job", nargs="?", type=Path, default=JOB)
+    parser.add_argument("--draws", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--corrections", type=int, default=2)
+    parser.add_argument("--json", action="store_true")
+    asked = parser.parse_args()
+    rows = []
+    for number in range(asked.first, asked.first + asked.draws):
+        with tempfile.TemporaryDirectory() as temporary:
+            rows.append(run_factory(asked.job, SEED + number, Path(temporary), asked.corrections))
+        print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
+    passed = sum(row["contrast"][-1] <= 0.012 for row in rows)
+    print(json.dumps(rows, indent=1) if asked.json else f"{passed} of {len(rows)} within 0.012")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
