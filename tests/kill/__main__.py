@@ -18,7 +18,7 @@ def _tell(line: str) -> None:
 def main() -> int:
     """Kill, and print a line a command."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=80, help="kills a command")
+    parser.add_argument("--count", type=int, default=80, help="kills before its end, a command")
     parser.add_argument("--seconds", type=float, default=1e9, help="at most, a command")
     parser.add_argument("--seed", type=int, default=4)
     parser.add_argument("--only", default="", help="names of commands, separated by commas")

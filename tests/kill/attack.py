@@ -1,8 +1,10 @@
 """Kills at random moments of run, design, sweep, correct and fit.
 
-Each leaves the old export or the new one, whole; what it kept of its work reads back; and the same
-command given again ends with the same bytes. Each command runs in a fork of a warm process, so that
-a kill costs seconds. Before it there is an export of other content under the same name.
+Each leaves the old export or the new one, whole; what it kept of its work reads back. The same
+command is given again, to be killed again or to end with the same bytes. So that a kill costs a
+second or two, each command runs in a fork of a warm process, on a small film with few paths, and
+is killed after a share of the processor's time that it takes, however busy the machine is. Before
+it there is an export of other content under the same name.
 """
 
 import io
@@ -19,11 +21,15 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+import psutil
 from command import SMALL_STACK, content
 
 from mpfcad.cli import run_app
+from mpfcad.design.grid import Grid
 from mpfcad.export import check_manifest
+from mpfcad.measure import luminance
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
+from mpfcad.pipeline.design import work
 from mpfcad.pipeline.fit import tracer
 from mpfcad.store import Store
 
@@ -44,15 +50,13 @@ contrast_target = 0.000001
 [constraint]
 curvature_min_per_mm = 55.0
 curvature_max_per_mm = 62.0
-harmonics = 2
+harmonics = 1
 [search]
 iterations = 1
 paths_million = 0.02
-[stack]
-thickness_mm = 18.0
 [mask]
 period_um = 640.0
-"""
+""" + SMALL_STACK
 FIT = """name = "a"
 seed = {seed}
 values = ["reflector_reflectance"]
@@ -77,8 +81,13 @@ COMMANDS = {
     "correct": (RUN, ["correct", "export", "--measured", "m.csv", "--threads", "1"]),
     "fit": (FIT, ["fit", "job.toml", "--effort", "quick", "--threads", "1"]),
 }
-#: At most this long after the start [s]; a kill is at a random share of what the command takes.
+#: Time of a processor that no command takes [s].
 LONGEST = 600.0
+#: Share of the kills that come at a command's end, where it writes its files, and how much of its
+#: time that is; share of the kills after which the command is let run to its end.
+LATE, LAST, ENDS = 0.25, 0.15, 0.3
+#: Parts of a second that the processor's time is looked at.
+LOOK = 0.003
 
 
 @contextmanager
@@ -87,7 +96,10 @@ def quick(cache: Path) -> Iterator[None]:
     with (
         mock.patch.dict(os.environ, MPFCAD_CACHE=str(cache)),
         mock.patch.dict(TRACE_SETTINGS, quick=TraceSetting(1.0, 20_000)),
-        mock.patch.dict(tracer.ROUND_PATHS, quick=0.5),
+        mock.patch.dict(tracer.ROUND_PATHS, quick=0.05),
+        mock.patch.object(tracer, "_POSITION", np.linspace(0, 1, 17)),
+        mock.patch.object(luminance, "_ENERGY_BLOCKS", 4),
+        mock.patch.object(work, "Grid", lambda: Grid(cells=18, across=8, along=2)),
     ):
         yield
 
@@ -121,15 +133,21 @@ def started(arguments, out):
 
 
 def ended(child, seconds, number):
-    """Send a signal after so long; return the status of the process, and whether it was hit."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        done, status = os.waitpid(child, os.WNOHANG)
+    """Send a signal after so much time of a processor; return the status, and whether it was hit.
+
+    What the process has taken in all [s] is the third value.
+    """
+    process, hit = psutil.Process(child), False
+    while not hit:
+        done, status, used = os.wait4(child, os.WNOHANG)
         if done:
-            return status, False
-        time.sleep(0.005)
+            return status, False, used.ru_utime + used.ru_stime
+        taken = process.cpu_times()
+        hit = taken.user + taken.system >= seconds
+        time.sleep(LOOK)
     os.kill(child, number)
-    return os.waitpid(child, 0)[1], True
+    _, status, used = os.wait4(child, 0)
+    return status, True, used.ru_utime + used.ru_stime
 
 
 def forgotten(cache):
@@ -147,7 +165,10 @@ def measured(folder):
 
 @dataclass
 class Killed:
-    """A command with two contents of its export: what stood there, and what is on its way."""
+    """A command with two contents of its export, what stood there and what is on its way.
+
+    `seconds` of a processor are what it takes from nothing but compiled kernels.
+    """
 
     folder: Path
     arguments: list[str]
@@ -173,14 +194,13 @@ def prepare(folder: Path, command: str) -> Killed:
     job.write_text(RUN.format(seed=1))
     if command == "correct":
         measured(folder)
-        assert finished(["run", str(job), "--effort", "quick"], folder / "export") in (0, 1)
+        assert finished(["run", str(job), "--effort", "quick"], folder / "export")[0] in (0, 1)
     for number in (1, 2):
         job.write_text(text.replace("{seed}", str(number)))
         place = ["--lamp-at-mm", str(number)] if command == "correct" else []
         killed.arguments = [*arguments, *place]
-        start = time.monotonic()
-        assert finished(killed.arguments, killed.out) in (0, 1), command
-        killed.seconds = time.monotonic() - start
+        code, killed.seconds = finished(killed.arguments, killed.out)
+        assert code in (0, 1), command
         killed.versions.append(content(killed.out))
         check_manifest(killed.out)
         forgotten(killed.cache)
@@ -189,10 +209,10 @@ def prepare(folder: Path, command: str) -> Killed:
 
 
 def finished(arguments, out):
-    """Return the exit code of a command that is not killed."""
-    status, hit = ended(started(arguments, out), LONGEST, signal.SIGKILL)
+    """Return the exit code of a command that is not killed, and its time of a processor [s]."""
+    status, hit, seconds = ended(started(arguments, out), LONGEST, signal.SIGKILL)
     assert not hit
-    return os.waitstatus_to_exitcode(status)
+    return os.waitstatus_to_exitcode(status), seconds
 
 
 def refused_work(cache: Path) -> list[str]:
@@ -206,27 +226,37 @@ def refused_work(cache: Path) -> list[str]:
     return notes
 
 
+def renew(killed: Killed) -> None:
+    """Have content 1 stand there again, and nothing kept but compiled kernels."""
+    forgotten(killed.cache)
+    for left in killed.out.parent.iterdir():
+        shutil.rmtree(left)
+    killed.out.mkdir()
+    for name, data in killed.versions[0].items():
+        (killed.out / name).write_bytes(data)
+
+
 def kill_once(killed: Killed, rng: random.Random, sent: int) -> bool:
     """Kill the command at a random moment; return whether the kill hit. All is whole after it."""
-    # Content 1 stands there, and 2 is on its way, from nothing but compiled kernels.
-    forgotten(killed.cache)
+    share = 1 - LAST * rng.random() if rng.random() < LATE else rng.random()
     out = killed.out
-    shutil.rmtree(out)
-    out.mkdir()
-    for name, data in killed.versions[0].items():
-        (out / name).write_bytes(data)
-    status, hit = ended(started(killed.arguments, out), rng.random() * killed.seconds, sent)
+    before = set(out.parent.iterdir())
+    status, hit, _ = ended(started(killed.arguments, out), share * killed.seconds, sent)
     assert content(out) in killed.versions, killed.arguments
     left = [path for path in out.parent.iterdir() if path != out]
     assert all(path.name.startswith(".a.") for path in left), left
     if sent == signal.SIGINT:
-        assert not left or os.waitstatus_to_exitcode(status) == -signal.SIGINT, left
+        own = set(left) - before
+        assert not own or os.waitstatus_to_exitcode(status) == -signal.SIGINT, own
     assert not refused_work(killed.cache)
-    # The same command again: it takes what was kept, and clears away what was left.
-    assert finished(killed.arguments, out) in (0, 1)
-    assert content(out) == killed.versions[1]
-    assert [path.name for path in out.parent.iterdir()] == ["a"]
     return hit
+
+
+def end_once(killed: Killed) -> None:
+    """Give the command again: it takes what was kept, and clears away what was left."""
+    assert finished(killed.arguments, killed.out)[0] in (0, 1)
+    assert content(killed.out) == killed.versions[1]
+    assert [path.name for path in killed.out.parent.iterdir()] == ["a"]
 
 
 def attack(
@@ -236,18 +266,24 @@ def attack(
     seed: int,
     seconds: float = 1e9,
     told: Callable[[str], None] = lambda line: None,
-) -> list[int]:
+) -> tuple[int, int]:
     """Return how many kills were sent and how many hit; two thirds SIGKILL, a third SIGINT.
 
-    `told` gets a line after each: how long the command takes, kills and hits so far.
+    It ends with the hit number `kills`. `told` gets a line after each: how long the command takes,
+    kills and hits so far.
     """
     rng = random.Random(f"kill {command} {seed}")
     with quick(folder / "cache"):
         warm(folder)
         killed = prepare(folder, command)
+        renew(killed)
         sent, hits, end = 0, 0, time.monotonic() + seconds
-        while sent < kills and time.monotonic() < end:
-            hits += kill_once(killed, rng, signal.SIGKILL if sent % 3 else signal.SIGINT)
-            sent += 1
+        while hits < kills and time.monotonic() < end:
+            hit = kill_once(killed, rng, signal.SIGKILL if sent % 3 else signal.SIGINT)
+            sent, hits = sent + 1, hits + hit
+            if not hit or rng.random() < ENDS:
+                end_once(killed)
+                renew(killed)
             told(f"{command}, {killed.seconds:.1f} s: {sent} kills, {hits} before its end")
-    return [sent, hits]
+        end_once(killed)
+    return sent, hits

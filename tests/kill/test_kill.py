@@ -9,7 +9,7 @@ from .attack import COMMANDS, attack, refused_work
 @pytest.mark.parametrize("command", COMMANDS)
 def test_kills_leave_no_mixed_export_and_no_damaged_work(tmp_path, command):
     sent, hits = attack(tmp_path, command, 6, seed=18)
-    assert sent == 6 and hits >= 3
+    assert sent >= hits == 6
 
 
 def test_the_run_sees_damaged_work(tmp_path):

@@ -27,7 +27,7 @@ from mpfcad.mask.check.read_svg import read_svg
 from mpfcad.mask.check.read_tiff import read_tiff
 from mpfcad.mask.check.tally import Tally
 from mpfcad.mask.format.drawing import draw
-from mpfcad.mask.format.flat import flat_tiles
+from mpfcad.mask.format.flat import listed_tiles
 from mpfcad.mask.phototool import Phototool, Polarity
 from mpfcad.mask.rule import GRID
 from mpfcad.mask.told import Told, untold
@@ -165,7 +165,7 @@ def _check_apertures(path: Path, mask: Mask, phototool: Phototool, found: FoundM
     """Refuse a file in which any aperture is not the one that was written, groove named."""
     edge = _groove_edges(mask, phototool)
     drawing = draw(mask, phototool, paints=found.drawn != phototool.polarity)
-    wanted = fingerprint(chain(drawing.arrays, flat_tiles(drawing)), edge)
+    wanted = fingerprint(chain(drawing.arrays, listed_tiles(drawing)), edge)
     different = different_grooves(fingerprint(found.arrays(), edge), wanted)
     if different.size:
         if phototool.mirror:

@@ -20,7 +20,7 @@ from mpfcad.mask.check.read_gerber import read_gerber
 from mpfcad.mask.check.read_layout import check_unit, layout_arrays, open_layout
 from mpfcad.mask.check.tally import Tally
 from mpfcad.mask.format.drawing import draw
-from mpfcad.mask.format.flat import flat_tiles
+from mpfcad.mask.format.flat import listed_tiles
 from mpfcad.mask.layer import APERTURE, OUTLINE
 from mpfcad.mask.phototool import Phototool
 from mpfcad.mask.rule import GRID
@@ -123,7 +123,7 @@ def compare_mask(path: Path, mask: Mask, phototool: Phototool) -> Comparison:
     ratio = (1 - found if complemented != closed else found)[:: -1 if mirrored else 1]
     different = None
     if not (mirrored or complemented or closed) and tally.count == mask.aperture_count:
-        held = [*drawing.arrays, *flat_tiles(drawing)]
+        held = [*drawing.arrays, *listed_tiles(drawing)]
         different = np.flatnonzero(fingerprint(arrays, drawn_edge) != fingerprint(held, drawn_edge))
     if phototool.mirror:
         ratio = ratio[::-1]

@@ -11,7 +11,7 @@ from mpfcad.errors import ExportError
 from mpfcad.mask.array import ApertureArray, Placement
 from mpfcad.mask.check.found import FoundMask, read_polarity
 from mpfcad.mask.check.read_layout import layout_window, open_layout, read_outline, refuse_many
-from mpfcad.mask.format.flat import shift
+from mpfcad.mask.format.flat import FEW, repeated
 from mpfcad.mask.layer import APERTURE, COUPON, FIDUCIAL, TEXT
 from mpfcad.mask.rule import GRID
 from mpfcad.units import um
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     import gdstk
 
 STEPS = um / GRID
-#: A cell is gone through place by place up to so many; beyond, its apertures are listed, so many
-#: at a time.
-FEW, MANY = 16, 1 << 20
 
 
 def read_oasis(path: Path) -> FoundMask:
@@ -82,20 +79,7 @@ def _arrays(path: Path, cell: "gdstk.Cell", layer: int) -> Iterator[ApertureArra
             if outer.count > FEW:
                 refuse_many(path, cell.name, outer.count)
             for array in inner:
-                yield from _repeat(array, outer)
-
-
-def _repeat(array: ApertureArray, outer: Placement) -> Iterator[ApertureArray]:
-    """Yield an array of a cell at the places of the cell, which few or many arrays hold."""
-    if outer.count <= FEW:
-        for at in outer.positions():
-            yield ApertureArray(array.shape, shift(array.place, at))
-        return
-    places, inner = outer.positions(), array.place.positions()
-    many = max(1, MANY // len(inner))
-    for first in range(0, len(places), many):
-        offset = (places[first : first + many, None] + inner).reshape(-1, 2)
-        yield ApertureArray(array.shape, Placement((0, 0), offset=offset))
+                yield from repeated(array, outer)
 
 
 def _placement(repetition: "gdstk.Repetition", x: int, y: int) -> Placement:
