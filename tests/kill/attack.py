@@ -27,7 +27,7 @@ from command import SMALL_STACK, content
 from mpfcad.cli import run_app
 from mpfcad.design.grid import Grid
 from mpfcad.export import check_manifest
-from mpfcad.measure import luminance
+from mpfcad.measure import luminance, rounds
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.design import work
 from mpfcad.pipeline.fit import tracer
@@ -99,6 +99,7 @@ def quick(cache: Path) -> Iterator[None]:
         mock.patch.dict(tracer.ROUND_PATHS, quick=0.05),
         mock.patch.object(tracer, "_POSITION", np.linspace(0, 1, 17)),
         mock.patch.object(luminance, "_ENERGY_BLOCKS", 4),
+        mock.patch.object(rounds, "_LEAST_PATHS", 1),
         mock.patch.object(work, "Grid", lambda: Grid(cells=18, across=8, along=2)),
     ):
         yield
