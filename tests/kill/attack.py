@@ -42,7 +42,8 @@ seed = {seed}
 half_width = 0.0
 paths_million = 0.02
 """
-DESIGN = """schema = 1
+DESIGN = (
+    """schema = 1
 name = "a"
 seed = {seed}
 [goal]
@@ -56,7 +57,9 @@ iterations = 1
 paths_million = 0.02
 [mask]
 period_um = 640.0
-""" + SMALL_STACK
+"""
+    + SMALL_STACK
+)
 FIT = """name = "a"
 seed = {seed}
 values = ["reflector_reflectance"]
