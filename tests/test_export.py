@@ -35,6 +35,23 @@ def test_new_export_replaces_the_old_one(tmp_path, monkeypatch, exchange):
     check_manifest(tmp_path / "e")
 
 
+@pytest.mark.parametrize("step", ["_hidden", "_publish", "_clear", "_release"])
+def test_ctrl_c_at_the_beginning_or_the_end_leaves_nothing_hidden(tmp_path, monkeypatch, step):
+    make(tmp_path / "e", "old")
+    real = getattr(export, step)
+
+    def interrupted(*given):
+        signal.raise_signal(signal.SIGINT)
+        return real(*given)
+
+    monkeypatch.setattr(export, step, interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        make(tmp_path / "e", "new")
+    assert names(tmp_path) == ["e"]
+    assert (tmp_path / "e/a.txt").read_text() == ("old" if step == "_hidden" else "new")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 @pytest.mark.parametrize("trouble", [KeyboardInterrupt, SystemExit, ValueError])
 def test_failure_leaves_the_old_export_and_nothing_else(tmp_path, trouble):
     make(tmp_path / "e", "old")

@@ -21,6 +21,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from mpfcad.boundary.out import refuse_file_above
+from mpfcad.boundary.signals import signals_wait
 from mpfcad.errors import InputError
 from mpfcad.export.exchange import exchange, flush
 from mpfcad.export.manifest import MANIFEST, SIGNATURE, is_own, kind_of, read_entries
@@ -42,19 +43,30 @@ def export_folder(out: Path, kind: str) -> Iterator[Path]:
     """
     out = Path(out).resolve()
     refuse_foreign(out, kind)
+    hidden: tuple[Path, FileLock] | None = None
+    try:
+        with signals_wait():
+            hidden = _begun(out)
+        yield hidden[0]
+        flush(hidden[0])
+        with signals_wait():
+            _publish(hidden[0], out)
+    finally:
+        # Ctrl-C while an older export is cleared away leaves none of it either.
+        with signals_wait():
+            if hidden is not None:
+                _clear(hidden[0], out)
+                _release(hidden[1])
+
+
+def _begun(out: Path) -> tuple[Path, FileLock]:
+    """Clear away what killed runs left beside `out`, and return a new hidden folder."""
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         _tidy(out)
-        partial, lock = _hidden(out, "partial")
+        return _hidden(out, "partial")
     except OSError as error:
         raise InputError(f"{out}: cannot be written: {error.strerror or error}") from None
-    try:
-        yield partial
-        flush(partial)
-        _publish(partial, out)
-    finally:
-        _clear(partial, out)
-        _release(lock)
 
 
 def refuse_foreign(out: Path, kind: str) -> None:

@@ -251,7 +251,8 @@ def kill_once(killed: Killed, rng: random.Random, sent: int) -> bool:
     assert all(path.name.startswith(".a.") for path in left), left
     if sent == signal.SIGINT:
         own = set(left) - before
-        assert not own or os.waitstatus_to_exitcode(status) == -signal.SIGINT, own
+        code = os.waitstatus_to_exitcode(status)
+        assert not own or code == -signal.SIGINT, (code, own)
     assert not refused_work(killed.cache)
     return hit
 
