@@ -131,12 +131,13 @@ def luminance_over_pitch(
         refuse_dark(stack.name, position, tally.radiance)
         found = tally.radiance, tally.radiance_error, tally.blocks
         if tally.blocks not in known:
-            curve = fit_curve(position, *found, periodic=not lit.is_finite)
+            curve = fit_curve(position, *found, periodic=not lit.is_finite, blurred=blurred)
             within = replace(curve, window=curve.window[part])
             known[tally.blocks] = curve, contrast_of_curve(within, run.seed)
         return known[tally.blocks]
 
     known: dict[int, tuple[CurveFit, Estimate]] = {}
+    blurred = lit.is_blurred
     trail = Trail(lambda tally: _ends(read(tally)[1]))
     tally = trace_rounds(
         lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 POINTS = 33
 #: Tips are what rises above this share of the relief; the spacing of equal ones scatters less.
 _TIP, _EVEN = 0.5, 0.02
-#: Spots are alike within such a share of a groove.
+#: Spots are alike within such a share of a groove, grooves within such a share of their depth.
 _SAME = 1e-3
 
 
@@ -84,6 +84,21 @@ def groove_pitch(mesh: "FilmMesh") -> float | None:
     pitch = mesh.size[0] / len(tip)
     gaps = np.diff(np.r_[tip, tip[0] + mesh.size[0]])
     return float(pitch) if np.abs(gaps - pitch).max() <= _EVEN * pitch else None
+
+
+def has_equal_grooves(mesh: "FilmMesh") -> bool:
+    """Return whether all grooves of a film are alike, and each is the same from end to end."""
+    pitch, vertex = groove_pitch(mesh), mesh.vertex[np.unique(mesh.top)]
+    if pitch is None or len(np.unique(np.round(vertex[:, 1], 6))) > 2:
+        return False
+    # The tile's right end is its left end again.
+    x, z = np.unique(np.round(vertex[vertex[:, 0] < mesh.size[0] - 1e-6][:, [0, 2]], 6), axis=0).T
+    grooves = round(mesh.size[0] / pitch)
+    if len(x) % grooves:
+        return False
+    folded = np.stack([x, z]).reshape(2, grooves, -1)
+    folded[0] -= pitch * np.arange(grooves)[:, None]
+    return bool(np.ptp(folded, axis=1).max() <= _SAME * np.ptp(z))
 
 
 def pitch_positions(stack: Stack) -> NDArray[np.float64]:

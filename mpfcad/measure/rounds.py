@@ -11,6 +11,7 @@ import numpy as np
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
 from mpfcad.measure.checkpoint import Checkpoints
+from mpfcad.measure.contrast.blur import is_blurred
 from mpfcad.measure.meter import Spot, meter_spot
 from mpfcad.store import array_hash, value_hash, work_key
 
@@ -132,6 +133,11 @@ class Lit:
     def is_finite(self) -> bool:
         """Whether the panel has edges; else everything repeats sideways without end."""
         return self.stack.extent == "panel"
+
+    @property
+    def is_blurred(self) -> bool:
+        """Whether sheets spread the light of tubes so far that the luminance has no kinks."""
+        return is_blurred(self.elements, self.stack.period.across)
 
 
 def light_film(

@@ -54,6 +54,14 @@ def test_high_harmonics_that_are_there_are_kept():
     assert series(rng, {(10, 0): 0.01}, 1e-4, mirrored=False).harmonics == 5
 
 
+def test_a_harmonic_that_is_read_as_nothing_adds_no_noise():
+    coefficient = np.zeros(TERMS**2)
+    coefficient[[0, TERMS]] = 1.0, 0.02
+    coefficient[1] = 1e-9
+    found = fit_series(coefficient, 1e-6 * np.eye(TERMS**2), 400, TERMS, True).contrast(1)
+    assert 0.016 < found.low < found.value == pytest.approx(0.02, abs=1e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [0.0, 0.004, 0.02])
 def test_intervals_of_contrast_hold_the_truth(size):

@@ -53,14 +53,15 @@ def test_a_flat_curve_without_noise_has_no_contrast():
     assert contrast_of_curve(fit).value < 1e-5
 
 
-def simulated(shape, contrast, sigma, count, seed):
+def simulated(shape, contrast, sigma, count, seed, *, blurred=True):
     """Return (low, high, value, naive contrast) of noisy curves, (count, 4)."""
     rng = np.random.default_rng(seed)
     truth = curve(shape, contrast)
     rows = []
     for i in range(count):
         noisy = truth + sigma * rng.standard_normal(POINTS)
-        estimate = contrast_of_curve(fit_curve(POSITION, noisy, np.full(POINTS, sigma)), i)
+        fit = fit_curve(POSITION, noisy, np.full(POINTS, sigma), blurred=blurred)
+        estimate = contrast_of_curve(fit, i)
         rows.append((estimate.low, estimate.high, estimate.value, naive(noisy)))
     return np.array(rows)
 
@@ -88,8 +89,8 @@ def check_share(share, count, most=0.97):
 
 def check(shape, contrast, sigma, count):
     rows = simulated(shape, contrast, sigma, count, seed=71)
-    # A wave of a few errors might as well be a flat top, so its interval holds more.
-    check_share(covered(rows, contrast), count, 0.97 if contrast > 10 * sigma else 0.99)
+    # A wave of a few errors might as well be flat where it is highest, so its interval holds more.
+    check_share(covered(rows, contrast), count, 0.97 if contrast > 10 * sigma else 0.98)
     # Bias of the median below 0.15 of a point's error (3σ of the median: 1.25 · 0.35/√count) …
     slack = 3 * 1.25 * 0.35 / np.sqrt(count)
     assert abs(np.median(rows[:, 2]) - contrast) <= (0.15 + slack) * sigma
@@ -131,7 +132,7 @@ RIVALS = [
 
 
 def check_rivals(shape, contrast, sigma, count):
-    rows = simulated(shape, contrast, sigma, count, seed=78)
+    rows = simulated(shape, contrast, sigma, count, seed=78, blurred=False)
     # At the points: between them a steep edge is not told.
     share = covered(rows, naive(curve(shape, contrast)))
     check_share(share, count, 0.985)
@@ -171,6 +172,8 @@ WINDOWS = [
     (decay(0.4, 0.5), 0.57, 0.003),
     (decay(0.4, 0.31), 0.57, 0.01),
     (decay(0.7, 0.5), 0.35, 0.003),
+    (decay(1.0, 0.31), 0.14, 0.01),
+    (decay(1.0, 0.31), 0.03, 0.003),
     (bell, 0.5, 0.01),
     (unequal, 0.02, 0.003),
     (unequal, 0.1, 0.01),
@@ -191,8 +194,9 @@ def check_window(shape, contrast, sigma, count):
     check_share(held / count, count, 0.98)
 
 
-def test_a_pointed_top_is_not_smoothed_away():
-    check_window(*WINDOWS[3], 80)
+@pytest.mark.parametrize("number", [3, 5])
+def test_a_pointed_top_is_not_smoothed_away(number):
+    check_window(*WINDOWS[number], 80)
 
 
 @pytest.mark.slow

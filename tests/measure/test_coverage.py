@@ -87,8 +87,10 @@ def test_intervals_of_the_light_that_comes_out_hold_it(lit):
     check(fraction_held(found, total, FLOW_UP))
 
 
-def fit(tally):
-    return fit_curve(POSITION, tally.radiance, tally.radiance_error, tally.blocks)
+def fit(lit, tally):
+    return fit_curve(
+        POSITION, tally.radiance, tally.radiance_error, tally.blocks, blurred=lit.is_blurred
+    )
 
 
 def held_by(estimates, truth):
@@ -116,9 +118,10 @@ def held_by(estimates, truth):
 def test_intervals_over_the_pitch_and_of_the_contrast(
     tmp_path, film, stack, thickness, least, most
 ):
-    found, total = runs(lit_by(tmp_path, film, stack, thickness), EYE, POSITION, 4)
+    lit = lit_by(tmp_path, film, stack, thickness)
+    found, total = runs(lit, EYE, POSITION, 4)
     check(luminance_held(found, total))
-    fits, truth = [fit(t) for t in found], fit(total)
+    fits, truth = [fit(lit, t) for t in found], fit(lit, total)
     check(held_by([one.mean() for one in fits], truth.mean().value))
     everywhere = truth.curve
     top, bottom = everywhere.max(), everywhere.min()

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from test_coverage import check, held_by
+from test_coverage import check, fit, held_by
 
 from mpfcad.backlight import read_stack
 from mpfcad.cad import write_stl
 from mpfcad.film import Groove, PrismFilm
-from mpfcad.measure import contrast_of_curve, fit_curve, light_film, reach
+from mpfcad.measure import contrast_of_curve, light_film, reach
 from mpfcad.optics.engine import trace
 from mpfcad.optics.source import EYE, Source
 from mpfcad.units import deg
@@ -62,7 +62,7 @@ def test_an_extreme_has_no_nan_and_its_intervals_hold(tmp_path, case):
     total = found[0]
     for tally in found[1:]:
         total = total + tally
-    fits = [fit_curve(POSITION, t.radiance, t.radiance_error, t.blocks) for t in found]
+    *fits, truth = [fit(lit, t) for t in (*found, total)]
     contrasts = [contrast_of_curve(one, i) for i, one in enumerate(fits)]
     means = [one.mean() for one in fits]
     figures = [(t.radiance, t.radiance_error, t.fraction) for t in found]
@@ -71,7 +71,6 @@ def test_an_extreme_has_no_nan_and_its_intervals_hold(tmp_path, case):
     assert np.isfinite(ends).all()
     wide = reach(found[0].radiance_freedom)
     check([np.abs(t.radiance - total.radiance) <= wide * t.radiance_error for t in found])
-    truth = fit_curve(POSITION, total.radiance, total.radiance_error, total.blocks)
     check(held_by(means, truth.mean().value))
     top, bottom = truth.curve.max(), truth.curve.min()
     # Where the contrast is below the noise its intervals begin at 0 and miss on one side only.

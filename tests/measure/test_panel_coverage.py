@@ -62,7 +62,10 @@ def held_on(lit, runs):
     for tally in found[1:]:
         total = total + tally
     fits = [
-        fit_curve(position, t.radiance, t.radiance_error, t.blocks, periodic=False)
+        fit_curve(
+            position, t.radiance, t.radiance_error, t.blocks,
+            periodic=False, blurred=lit.is_blurred,
+        )
         for t in (*found, total)
     ]
     whole = fits.pop()

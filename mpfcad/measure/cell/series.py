@@ -113,16 +113,17 @@ class CellSeries:
             rng.standard_normal((_DRAWS, len(self.coefficient))) @ root.T for _ in range(2)
         )
         wider = wobble(rng, _DRAWS, self.freedom)
-        drawn = self.coefficient + other
+        drawn, kept = self.coefficient + other, np.ones(len(self.coefficient))
         for group in self._groups():
             seen = self.coefficient[group]
             block = self.covariance[np.ix_(group, group)]
             power = float(seen @ np.linalg.solve(block, seen))
-            drawn[:, group] = plausible(seen, power, other[:, group], rng)
-            noise[:, group] *= drawn[:, group].mean(axis=0) @ seen / max(float(seen @ seen), 1e-300)
-        middle = drawn.mean(axis=0)
-        off, noise = (wider * part @ at.T for part in (drawn - middle, noise))
-        return contrast_of_draws((at @ middle)[None], off[:, None], noise[:, None])
+            drawn[:, group], kept[group] = plausible(seen, power, other[:, group], rng)
+        middle = kept * self.coefficient
+        off, noise = (wider * part @ at.T for part in (drawn - middle, kept * noise))
+        return contrast_of_draws(
+            (at @ middle)[None], off[:, None], noise[:, None], (at @ (kept * middle))[None]
+        )
 
     def _groups(self) -> list[NDArray[np.int64]]:
         """Return the numbers of the terms of each harmonic pair but the mean's."""

@@ -59,7 +59,7 @@ class _Draws:
         wider = fit.misfit * wobble(rng, len(self._off), freedom)
         return contrast_of_draws(
             curve[window], (wider * self._off)[:, window], (wider * self._noise)[:, window],
-            may_be_flat=fit.plausible.may_be_flat,
+            fit.read_again[window], may_be_flat=fit.plausible.may_be_flat,
             is_smoothed=fit.values < _NEARLY_ALL * len(fit.position),
         )  # fmt: skip
 
@@ -90,6 +90,6 @@ def contrast_of_points(
     share = float(weight @ (luminance - np.average(luminance, weights=weight)) ** 2) / left
     of_errors = min(freedom_of_sum(np.sqrt(weight), error, blocks), 1e9)
     return contrast_of_draws(
-        luminance[None], off[:, None], noise[:, None],
+        luminance[None], off[:, None], noise[:, None], luminance[None],
         may_be_flat=bool(fdtrc(left, of_errors, share) > TAIL), is_smoothed=False,
     )  # fmt: skip

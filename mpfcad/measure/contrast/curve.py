@@ -66,6 +66,12 @@ class CurveFit:
         return self.gain @ self.luminance
 
     @property
+    def read_again(self) -> NDArray[np.float64]:
+        """What is read of the curve itself, were it measured without noise, (k,) [cd/m²]."""
+        step = (len(self.reading) - 1) // (len(self.position) - 1)
+        return self.gain @ self.curve[::step]
+
+    @property
     def is_sharp(self) -> bool:
         """Whether the points need nearly a value each: between them the curve is not known."""
         least, priors = _SHARP * round(float(np.ptp(self.position))), self.plausible.priors
@@ -121,6 +127,7 @@ def fit_curve(
     blocks: float = np.inf,
     *,
     periodic: bool = True,
+    blurred: bool = False,
 ) -> CurveFit:
     """Return the curve through luminances over whole lamp pitches.
 
@@ -134,6 +141,8 @@ def fit_curve(
         of paths, that the errors come from; inf: they are known
     periodic
         whether the scene repeats with the pitch
+    blurred
+        whether the light is spread so far that the curve has no kinks (`blur`)
     """
     error = np.maximum(error, _LEAST_ERROR * np.abs(luminance).max() + 1e-300)
     pitches = max(1, round(float(np.ptp(position))))
@@ -142,7 +151,7 @@ def fit_curve(
     reading = np.linspace(position[0], position[-1], (len(position) - 1) * finer + 1)
     basis = build_basis(position, reading, periodic=periodic)
     unit = float(np.mean(error**2)) * 8 * pitches / len(position) * 2
-    found = plausible_priors(basis, luminance, error**2, unit)
+    found = plausible_priors(basis, luminance, error**2, unit, blurred=blurred)
     gains = np.array([_gain(basis, prior, error**2) for prior in found.priors])
     gain = np.average(gains, axis=0, weights=[prior.share for prior in found.priors])
     at_points = gain[::finer]

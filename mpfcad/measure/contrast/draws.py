@@ -3,9 +3,9 @@
 Curves drawn from what the data allow have contrasts of their own, and these are the interval where
 one place is the highest and one the lowest. Where several places are nearly as high, the noise
 makes one of them the highest, in the curve read and in each curve drawn. The least contrast that
-may have been read as the one seen is then that of a curve whose likely rivals are as high as the
-highest (Andrews and Soares, "Inference for parameters defined by moment inequalities using
-generalized moment selection", 2010). The most is that of the pair of places that may differ most
+may have been read as the one seen is then that of a curve whose rivals are as high as they may be
+(Romano, Shaikh and Wolf, "A practical two-step method for testing moment inequalities", 2014). The
+most is that of the pair of places that may differ most
 (Chernozhukov, Lee and Rosen, "Intersection bounds", 2013): the maximum of noise adds nothing to it.
 """
 
@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from mpfcad.measure.estimate import TAIL, Estimate, reach
 
-#: Errors of a difference within which two places, or two pitches, may be alike; places nearer than
-#: so much of the highest's own error share its noise; the largest share of a pitch's range.
-_ALIKE, _APART, _MOST = 3.0, 0.5, 0.45
+#: Errors of a difference by which two places, or two pitches, may be more alike than they are read;
+#: the largest share of a pitch's range.
+_ALIKE, _MOST = 2.0, 0.45
 
 
 def contrasts(curve: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -29,6 +29,7 @@ def contrast_of_draws(
     curve: NDArray[np.float64],
     off: NDArray[np.float64],
     noise: NDArray[np.float64],
+    again: NDArray[np.float64],
     *,
     may_be_flat: bool = False,
     is_smoothed: bool = True,
@@ -43,6 +44,8 @@ def contrast_of_draws(
         (draws, w, m), how far off it may be
     noise
         (draws, w, m), what of that is read of noise alone
+    again
+        (w, m), what is read of `curve` itself: as much flatter as it is flatter than the truth
     may_be_flat
         whether the data allow no contrast at all
     is_smoothed
@@ -51,7 +54,9 @@ def contrast_of_draws(
     seen = float(contrasts(curve).max())
     drawn = contrasts(curve + off).max(axis=1)
     low, middle, high = (float(q) for q in np.quantile(drawn, (TAIL, 0.5, 1 - TAIL)))
-    value = min(max(2 * seen - middle, 0.0), middle)
+    # Noise makes the highest place higher, smoothing lower: both once more in what is read again.
+    bias = float(np.median(contrasts(again + noise).max(axis=1))) - seen
+    value = min(max(seen - bias, 0.0), middle)
     level, most = _level(curve, off), high
     if not np.allclose(level, curve, rtol=1e-9):
         read = contrasts(level + noise).max(axis=1) - float(contrasts(level).max())
@@ -62,29 +67,28 @@ def contrast_of_draws(
         value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
     elif len(curve) > 1 or not is_smoothed:
         # Noise makes one pitch or point the worst: once in what is seen, twice in the draws.
-        again = float(np.median(contrasts(curve + noise).max(axis=1)))
-        most = min(most, 2 * seen - again + high - middle)
+        most = min(most, seen - bias + high - middle)
     high = min(high, most)
     return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
 
 
 def _level(curve: NDArray[np.float64], off: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return curves (w, m) in which all places are alike that may be so.
+    """Return curves (w, m) in which all places are as alike as they may be.
 
-    Rivals are places with an error of their own, not far below the highest for it, and pitches that
-    may be as uneven as the worst.
+    A place is raised by two errors of its difference from the highest, as far as that is high;
+    likewise low places, and the contrasts of pitches that are less uneven than the worst.
     """
     found, most = curve.copy(), _MOST * np.ptp(curve, axis=1, keepdims=True)
     for sign in (1, -1):
         place = np.argmax(sign * curve, axis=1)[:, None]
         end, error = np.take_along_axis(curve, place, 1), np.take_along_axis(off, place[None], 2)
         below, apart = sign * (end - curve), (error - off).std(axis=0)
-        alike = (below < np.minimum(_ALIKE * apart, most)) & (apart > _APART * error.std(axis=0))
-        found = np.where(alike, end, found)
+        found += sign * np.where(below < most, np.minimum(below, _ALIKE * apart), 0.0)
     read, each = contrasts(curve), contrasts(curve + off)
     worst = int(np.argmax(read))
-    alike = read[worst] - read < _ALIKE * (each[:, [worst]] - each).std(axis=0)
-    size = np.divide(read[worst], read, out=np.ones_like(read), where=alike & (read > 0))
+    apart = (each[:, [worst]] - each).std(axis=0)
+    raised = np.minimum(read[worst], read + _ALIKE * apart)
+    size = np.divide(raised, read, out=np.ones_like(read), where=read > 0)
     middle = found.mean(axis=1, keepdims=True)
     return middle + size[:, None] * (found - middle)
 

@@ -19,8 +19,8 @@ _STEPS, _FACTOR = 12, 4.0
 #: Steps further down that what pitches do not share is tried.
 _ALIKE = 5
 #: A prior of kinks holds them everywhere. A curve may have one alone, which is then so many times
-#: as strong; fewer curves have any, by such a difference of ln L.
-_ONE_KINK, _SELDOM = 8.0, 1.0
+#: as strong; curves that nothing blurs have any the likelier, by such a difference of ln L.
+_ONE_KINK, _OFTEN = 8.0, 1.0
 #: Shares that are left out; priors that are kept at most.
 _LEAST, _MOST = 1e-3, 24
 #: A flat curve is read as one whose likelihood is larger by so much of ln L in 1 of 40.
@@ -52,10 +52,18 @@ _Likelihoods = dict[tuple[Choice, ...], float]
 
 
 def plausible_priors(
-    basis: Basis, luminance: NDArray[np.float64], noise: NDArray[np.float64], unit: float
+    basis: Basis,
+    luminance: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    unit: float,
+    *,
+    blurred: bool,
 ) -> Plausible:
-    """Return the priors that points allow; noise: (n,), their variances; unit: of the waves'."""
-    found = _likelihoods(basis, luminance, noise, unit)
+    """Return the priors that points allow; noise: (n,), their variances; unit: of the waves'.
+
+    `blurred`: the curve has no kinks.
+    """
+    found = _likelihoods(basis, luminance, noise, unit, blurred)
     kept = sorted(found, key=lambda k: (-found[k], k))[:_MOST]
     share = np.exp([found[k] - found[kept[0]] for k in kept])
     share /= share.sum()
@@ -75,20 +83,25 @@ def _is_rough(choice: Choice) -> bool:
 
 
 def _likelihoods(
-    basis: Basis, luminance: NDArray[np.float64], noise: NDArray[np.float64], unit: float
+    basis: Basis,
+    luminance: NDArray[np.float64],
+    noise: NDArray[np.float64],
+    unit: float,
+    blurred: bool,
 ) -> _Likelihoods:
     """Return ln L of priors."""
     found: _Likelihoods = {}
+    spectra = [i for i, one in enumerate(SPECTRA) if not (blurred and one.is_rough)]
 
     def likelihood(choices: tuple[Choice, ...]) -> float:
         if choices not in found:
             like = _likelihood(basis, basis.variance(choices, unit), luminance, noise)
-            found[choices] = like - _SELDOM * any(map(_is_rough, choices))
+            found[choices] = like + _OFTEN * any(map(_is_rough, choices))
         return found[choices]
 
     most = max(_FACTOR ** (_STEPS - 1), _FACTOR * float(np.var(luminance)) / unit)
     sizes = [float(v) for v in np.geomspace(1, most, _STEPS)]
-    every = [Choice(s, v) for s, v in product(range(len(SPECTRA)), sizes)]
+    every = [Choice(s, v) for s, v in product(spectra, sizes)]
     if len(basis.groups) == 1:
         for choice in every:
             likelihood((choice,))
@@ -110,7 +123,7 @@ def _likelihoods(
     for group in (0, 1, 0, 1):
         tried = sizes if group == 0 else own
         take_best(group, [best[group]._replace(variance=size) for size in tried])
-        take_best(group, [best[group]._replace(spectrum=i) for i in range(len(SPECTRA))])
+        take_best(group, [best[group]._replace(spectrum=i) for i in spectra])
     return found
 
 

@@ -8,8 +8,8 @@ _STEPS = 1024
 
 def plausible(
     read: NDArray[np.float64], power: float, noise: NDArray[np.float64], rng: np.random.Generator
-) -> NDArray[np.float64]:
-    """Return true values that noisy ones may stand for, (draws, m).
+) -> tuple[NDArray[np.float64], float]:
+    """Return true values that noisy ones may stand for, (draws, m), and the share kept of them.
 
     read: (m,), |read|² = `power` in units of the noise; noise: (draws, m) that such values have.
 
@@ -24,4 +24,4 @@ def plausible(
     step = (np.arange(_STEPS) + 0.5) / _STEPS * end
     share = np.cumsum(step ** (a - 1) * np.exp(-step * s))
     kappa = np.interp(rng.random((len(noise), 1)) * share[-1], share, step)
-    return (1 - kappa) * read + np.sqrt(1 - kappa) * noise
+    return (1 - kappa) * read + np.sqrt(1 - kappa) * noise, float(np.mean(1 - kappa))
