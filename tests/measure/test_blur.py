@@ -45,10 +45,12 @@ def test_the_least_blur_leaves_no_wave_more_than_the_widest_spectrum_has():
     assert left == pytest.approx(np.max(smooth, axis=0), abs=1e-12)
 
 
+ALIKE = [EQUAL, [CONCAVE] * 7, [BARE] * 40]
+UNLIKE = [PATTERN, [groove(60.0)] * 19 + [groove(60.2)], [groove(60.0)] * 9 + [BARE]]
+
+
 @pytest.mark.parametrize(
-    ("grooves", "equal"),
-    [(EQUAL, True), ([CONCAVE] * 7, True), ([BARE] * 40, True), (PATTERN, False)]
-    + [([groove(60.0)] * 19 + [groove(60.2)], False), ([groove(60.0)] * 9 + [BARE], False)],
+    ("grooves", "equal"), [*((g, True) for g in ALIKE), *((g, False) for g in UNLIKE)]
 )
 def test_grooves_are_told_alike(tmp_path, grooves, equal):
     mesh = read_film_mesh(film_file(tmp_path / "film.stl", grooves, base=0.2))

@@ -63,8 +63,12 @@ def held_on(lit, runs):
         total = total + tally
     fits = [
         fit_curve(
-            position, t.radiance, t.radiance_error, t.blocks,
-            periodic=False, blurred=lit.is_blurred,
+            position,
+            t.radiance,
+            t.radiance_error,
+            t.blocks,
+            periodic=False,
+            blurred=lit.is_blurred,
         )
         for t in (*found, total)
     ]

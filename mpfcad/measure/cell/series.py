@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.measure.contrast.draws import contrast_of_draws
 from mpfcad.measure.contrast.shrink import plausible
-from mpfcad.measure.estimate import Estimate, wobble
+from mpfcad.measure.estimate import TAIL, Estimate, wobble
 
 _DRAWS = 2000
 #: Places along each axis where a curve is read.
@@ -122,8 +122,17 @@ class CellSeries:
         middle = kept * self.coefficient
         off, noise = (wider * part @ at.T for part in (drawn - middle, kept * noise))
         return contrast_of_draws(
-            (at @ middle)[None], off[:, None], noise[:, None], (at @ (kept * middle))[None]
-        )
+            (at @ middle)[None], off[:, None], noise[:, None], (at @ (kept * middle))[None],
+            may_be_flat=self._may_be_flat(),
+        )  # fmt: skip
+
+    def _may_be_flat(self) -> bool:
+        """Return whether all terms but the mean may be noise (2.5 % of Fisher's F)."""
+        from scipy.special import fdtrc
+
+        rest, covariance = self.coefficient[1:], self.covariance[1:, 1:]
+        share = float(rest @ np.linalg.solve(covariance, rest)) / len(rest)
+        return bool(fdtrc(len(rest), self.freedom, share) > TAIL)
 
     def _groups(self) -> list[NDArray[np.int64]]:
         """Return the numbers of the terms of each harmonic pair but the mean's."""

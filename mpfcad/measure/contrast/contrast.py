@@ -61,6 +61,7 @@ class _Draws:
             curve[window], (wider * self._off)[:, window], (wider * self._noise)[:, window],
             fit.read_again[window], may_be_flat=fit.plausible.may_be_flat,
             is_smoothed=fit.values < _NEARLY_ALL * len(fit.position),
+            has_kinks=any(prior.is_rough for prior in fit.plausible.priors),
         )  # fmt: skip
 
 

@@ -33,6 +33,7 @@ def contrast_of_draws(
     *,
     may_be_flat: bool = False,
     is_smoothed: bool = True,
+    has_kinks: bool = True,
 ) -> Estimate:
     """Return the largest contrast of pitches, median-unbiased, with its 95 % interval.
 
@@ -49,7 +50,9 @@ def contrast_of_draws(
     may_be_flat
         whether the data allow no contrast at all
     is_smoothed
-        whether the curve may be lower than the truth where this is pointed
+        whether the curve is another than the points themselves
+    has_kinks
+        whether the truth may be pointed: a smoothed curve is lower there
     """
     seen = float(contrasts(curve).max())
     drawn = contrasts(curve + off).max(axis=1)
@@ -57,18 +60,20 @@ def contrast_of_draws(
     # Noise makes the highest place higher, smoothing lower: both once more in what is read again.
     bias = float(np.median(contrasts(again + noise).max(axis=1))) - seen
     value = min(max(seen - bias, 0.0), middle)
-    level, most = _level(curve, off), high
-    if not np.allclose(level, curve, rtol=1e-9):
-        read = contrasts(level + noise).max(axis=1) - float(contrasts(level).max())
-        low = min(low, seen - float(np.quantile(read, 1 - TAIL)))
-        most = max(_widest_pair(one, off[:, i], seen) for i, one in enumerate(curve))
-    if may_be_flat:
-        flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
-        value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
-    elif len(curve) > 1 or not is_smoothed:
+    most = max(_widest_pair(one, off[:, i], seen) for i, one in enumerate(curve))
+    is_known = len(curve) > 1 or not has_kinks
+    if not may_be_flat and (is_known or not is_smoothed):
         # Noise makes one pitch or point the worst: once in what is seen, twice in the draws.
         most = min(most, seen - bias + high - middle)
     high = min(high, most)
+    level = _level(curve, off)
+    added = contrasts(level + noise).max(axis=1) - float(contrasts(level).max())
+    # Where places are alike the high end hardly misses, and the low end may as much oftener.
+    spare = max(TAIL - float(np.mean(added < seen - high)), 0.0) if is_known else 0.0
+    low = min(low, seen - float(np.quantile(added, 1 - TAIL - spare)))
+    if may_be_flat:
+        flat = float(np.median(contrasts(curve.mean() + noise).max(axis=1)))
+        value, low = min(value, np.sqrt(max(seen**2 - flat**2, 0.0))), 0.0
     return Estimate.within(value, min(max(low, 0.0), value), min(max(high, value), 1.0))
 
 
