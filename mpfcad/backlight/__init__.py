@@ -8,7 +8,7 @@ user's own.
 from mpfcad.backlight.layer.bsdf import BsdfLayer, restore_bsdf_layer
 from mpfcad.backlight.layer.stated import LAYERS, Layer
 from mpfcad.backlight.quantity import Quantity, ranges_with
-from mpfcad.backlight.reader import list_stacks, read_stack
+from mpfcad.backlight.reader import is_stack_file, list_stacks, read_stack
 from mpfcad.backlight.source import Emitters, LightSource, Period, restore_spec
 from mpfcad.backlight.stack import PRISM_FILE, Stack, stack_file
 
@@ -22,6 +22,7 @@ __all__ = [
     "Period",
     "Quantity",
     "Stack",
+    "is_stack_file",
     "list_stacks",
     "ranges_with",
     "read_stack",

@@ -44,4 +44,5 @@ def lower_bands(
         np.array(emission).reshape(-1, bands.count),
         np.array([stack[f"{name}.yield"] for name in bands.emission]),
     )
-    return build_spectral(build_scenes(variants), band, joint=not bands.separate)
+    scenes = build_scenes(variants, polarised=stack.polarised)
+    return build_spectral(scenes, band, joint=not bands.separate)

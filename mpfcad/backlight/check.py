@@ -69,10 +69,6 @@ def _check_lobes(where: str, stack: Stack) -> None:
 
 def _check_light(where: str, stack: Stack) -> None:
     """Raise unless light is polarised where a layer acts on it, and each such layer is passive."""
-    if stack.polarised and stack.spec.kind == LedSpec.kind:
-        raise InputError(
-            f"{where}: light.polarised: LEDs are traced without polarisation: expected tubes"
-        )
     _check_converters(where, stack)
     _check_base(where, stack)
     given = [key for key in stack.quantity if key.endswith("depolarisation")]
@@ -113,16 +109,23 @@ def _check_base(where: str, stack: Stack) -> None:
 
 
 def _check_converters(where: str, stack: Stack) -> None:
-    """Raise unless each layer that converts light says once how much it takes."""
+    """Raise unless each layer that converts light says once how much it takes, and how thick."""
     for name in stack.converters:
         at = f"{where}: layers: {name}"
         given = [key for key in ("absorptance", "absorption_per_mm", "thickness_um")
                  if f"{name}.{key}" in stack.quantity]  # fmt: skip
-        if given not in (["absorptance"], ["absorption_per_mm", "thickness_um"]):
+        is_film = f"{name}.scattering_per_mm" in stack.quantity
+        ways = [["absorptance"], ["absorption_per_mm", "thickness_um"]]
+        if is_film:
+            ways[0].append("thickness_um")
+        if given not in ways:
             said = ", ".join(given) or "no absorption"
+            first = "absorptance with thickness_um" if is_film else "absorptance"
             raise InputError(
-                f"{at}: {said}: expected absorptance, or absorption_per_mm with thickness_um"
+                f"{at}: {said}: expected {first}, or absorption_per_mm with thickness_um"
             )
+        if f"{name}.asymmetry" in stack.quantity and not is_film:
+            raise InputError(f"{at}: scattering_per_mm: missing: expected with asymmetry")
 
 
 def _check_film_layers(where: str, stack: Stack) -> None:

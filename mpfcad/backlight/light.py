@@ -52,8 +52,6 @@ def read_light(where: str, folder: Path | None, entry: object, base: Light) -> L
         raise InputError(f"{where}.{needs}: missing: expected with {given}")
     if bands is None and "dispersion" in entry:
         raise InputError(f"{where}.dispersion: needs bands and spectrum")
-    if bands is not None and polarised:
-        raise InputError(f"{where}.bands: light.polarised = true: expected one of the two")
     return Light(polarised, bands, spectrum, dispersion)
 
 

@@ -87,7 +87,7 @@ def _own_layer(stack: Stack, name: str) -> Element:
 
     words = _words(name)
     if layer.kind == CONVERTER:
-        return Converter(depth_of(stack, name), value("index"), value("yield"), words)
+        return _converter(stack, name, words)
     if layer.kind in POLARISING:
         return lower_plane(stack, name, words)
     if layer.kind == "plate":
@@ -122,6 +122,15 @@ def _own_layer(stack: Stack, name: str) -> Element:
         mesh, value("index"), name=words, rotation=rotation, flipped=layer.flipped,
         absorption=absorption, roughness=roughness,
     )  # fmt: skip
+
+
+def _converter(stack: Stack, name: str, words: str) -> Converter:
+    """Return a sheet that converts light, or a film with faces where it says how it scatters."""
+    own = depth_of(stack, name), stack[f"{name}.index"], stack[f"{name}.yield"], words
+    if f"{name}.scattering_per_mm" not in stack.quantity:
+        return Converter(*own)
+    volume = (stack.get(f"{name}.{key}") for key in ("scattering_per_mm", "asymmetry"))
+    return Converter(*own, stack[f"{name}.thickness_um"] * um, *volume)
 
 
 def depth_of(stack: Stack, name: str) -> float:

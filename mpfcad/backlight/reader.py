@@ -46,6 +46,17 @@ def list_stacks() -> list[Stack]:
     return [read_stack(name) for name in sorted(p.stem for p in _PRESETS.glob("*-*-*.toml"))]
 
 
+def is_stack_file(path: Path) -> bool:
+    """Return whether a TOML file is a stack, as no other file of mpfcad has layers or extends one.
+
+    Raises
+    ------
+    InputError
+        when it cannot be read, or is no TOML.
+    """
+    return bool({"extends", "layers"} & set(read_toml(path)))
+
+
 def read_stack(
     name: str | Path, thickness: float | None = None, overrides: dict[str, Any] | None = None
 ) -> Stack:
@@ -122,7 +133,9 @@ def _at_bands(where: str, text: _Text, stack: Stack) -> dict[str, tuple[float, .
     differing = {}
     for key in stack.quantity if at_band else ():
         values = tuple(one[key] for one in at_band)
-        if len({stack[key], *values}) > 1 and key != "light_wavelength_nm":
+        # A retardation in nm is a phase of its own at each wavelength.
+        delays = key.endswith("retardation_nm") and stack[key] > 0
+        if (len({stack[key], *values}) > 1 or delays) and key != "light_wavelength_nm":
             differing[key] = values
     return differing
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from mpfcad.backlight.dispersion import DEFAULT_WAVELENGTH_NM
 from mpfcad.backlight.layer.bsdf import BsdfLayer
 from mpfcad.backlight.layer.stated import CONVERTER, FILM_KINDS, LAYERS, Layer
 from mpfcad.backlight.light import light_inputs
@@ -22,6 +23,8 @@ from mpfcad.spectrum import Bands, weighs_only
 #: One lamp pitch that repeats without end, or the whole panel with its walls.
 Extent = Literal["pitch", "panel"]
 EXTENTS: tuple[Extent, ...] = ("pitch", "panel")
+#: Of a stack that states none, to stand for the wavelengths of its bands.
+_WAVELENGTH = Quantity(DEFAULT_WAVELENGTH_NM, "assumed", "where none is stated")
 #: The film without resin, in an export.
 PRISM_FILE = "prism.stl"
 
@@ -223,9 +226,10 @@ class Stack:
         if bands is None:
             return self
         at = {key: found[number] for key, found in bands.value.items()}
-        if bands.separate and "light_wavelength_nm" in self.quantity:
-            at["light_wavelength_nm"] = bands.wavelength[number]
         quantity = {**self.quantity}
+        if bands.separate:
+            at["light_wavelength_nm"] = bands.wavelength[number]
+            quantity.setdefault("light_wavelength_nm", _WAVELENGTH)
         for key, value in at.items():
             quantity[key] = replace(quantity[key], value=value)
         return replace(self, quantity=quantity)
@@ -258,9 +262,8 @@ class Stack:
         """Return how light is traced, where it is not as in the thesis."""
         said = "Stokes vectors along the path"
         light: dict[str, object] = {"name": "light.polarised", "value": "true", "tag": "given"}
-        return (
-            [light | {"source": said}] if self.polarised else light_inputs(self.bands, self._flat())
-        )
+        stated = [light | {"source": said}] if self.polarised else []
+        return [*stated, *light_inputs(self.bands, self._flat())]
 
 
 def stack_file(layer: str) -> str:

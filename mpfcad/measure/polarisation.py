@@ -1,7 +1,7 @@
 """How the normal light is polarised, and the luminance behind a polariser at any angle."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,9 @@ ANGLES = np.arange(0.0, 180.0, 15.0) * deg
 
 @dataclass(frozen=True)
 class PolarisationResult:
-    """Stokes parameters of the normal light, the mean over a lamp pitch.
+    """Stokes parameters of the normal light, the mean over a lamp pitch or a cell of LEDs.
+
+    In bands they are those of luminance.
 
     Attributes
     ----------
@@ -38,6 +40,9 @@ class PolarisationResult:
         √(Q² + U² + V²)/I
     behind
         luminance [cd/m²] behind an ideal polariser at each of `ANGLES`
+    by_band
+        wavelength [nm] and Q/I of the power in each band, None of one without any; empty without
+        bands
     paths
         backward paths traced
     """
@@ -48,6 +53,7 @@ class PolarisationResult:
     circular: Estimate
     degree: Estimate
     behind: tuple[Estimate, ...]
+    by_band: tuple[tuple[float, Estimate | None], ...]
     paths: int
 
 
@@ -62,10 +68,13 @@ def polarisation(lit: Lit, run: TraceRun, error_goal: float) -> PolarisationResu
     from mpfcad.optics.source import EYE, Source
 
     refuse_unpolarised(lit)
-    pitch = lit.stack.period.across
+    pitch, along = lit.stack.period
     place = middle(lit) + pitch / 2 if lit.is_finite else pitch / 2
-    source = Source(EYE, np.array([place]), pitch, acceptance=lit.stack.acceptance)
-    return read_stokes(_rounds(lit, source, run, error_goal))
+    source = Source(
+        EYE, np.array([place]), pitch, acceptance=lit.stack.acceptance, spot_along=along
+    )
+    found = _rounds(lit, source, run, error_goal)
+    return replace(read_stokes(found @ _luminous(lit)), by_band=_by_band(lit, found))
 
 
 def refuse_unpolarised(lit: Lit) -> None:
@@ -83,24 +92,53 @@ def refuse_unpolarised(lit: Lit) -> None:
 
 
 def _rounds(lit: Lit, source: "Source", run: TraceRun, goal: float) -> NDArray[np.float64]:
-    """Return the mean I, Q, U, V of enough blocks, (b, 4)."""
+    """Return the mean I, Q, U, V of enough blocks, (b, 4, channels): one without bands."""
     from mpfcad.optics.base.net import NET
-    from mpfcad.optics.stokes.engine import trace_stokes
 
-    found = np.empty((0, 4))
+    luminous = _luminous(lit)
+    found = np.empty((0, 4, len(luminous)))
     error = float("nan")
     while len(found) == 0 or (error > goal and len(found) * NET < run.path_limit):
         more = max(_LEAST_BLOCKS, len(found) // 2)
         watch = Watch(
             run.progress, TraceState(len(found) * NET, run.path_limit, error, goal, _FIGURE), NET
         )
-        part = trace_stokes(
-            lit.scene, source, more, seed=run.seed, first=len(found), threads=run.threads,
+        part = _traced(
+            lit, source, more, seed=run.seed, first=len(found), threads=run.threads,
             after_block=watch.block if run.progress else None,
         )  # fmt: skip
         found = np.concatenate([found, part[:, 0]])
-        error = read_stokes(found).along.standard_error
+        error = read_stokes(found @ luminous).along.standard_error
     return found
+
+
+def _traced(lit: Lit, source: "Source", blocks: int, **how: Any) -> NDArray[np.float64]:
+    """Return the mean I, Q, U, V of blocks and points, (blocks, p, 4, channels)."""
+    from mpfcad.optics.spectral.engine import trace_stokes_channels
+    from mpfcad.optics.stokes.engine import trace_stokes
+
+    if lit.spectral is not None:
+        return trace_stokes_channels(lit.spectral, source, blocks, **how)
+    return trace_stokes(lit.scene, source, blocks, **how)[..., None]
+
+
+def _luminous(lit: Lit) -> NDArray[np.float64]:
+    """Return the luminance of what each channel counts, (channels,): 1 without bands."""
+    return np.ones(1) if lit.spectral is None else lit.spectral.colour[:, 1]
+
+
+def _by_band(lit: Lit, found: NDArray[np.float64]) -> tuple[tuple[float, Estimate | None], ...]:
+    """Return the wavelength and Q/I of each band, of the power of all channels there."""
+    bands = lit.stack.bands
+    if bands is None:
+        return ()
+    part = found.reshape(len(found), 4, -1, bands.count).copy()
+    part[:, :, 0] *= bands.source_power
+    power = part.sum(axis=2)
+    return tuple(
+        (wavelength, read_stokes(one).along if one[:, 0].mean() > 0 else None)
+        for wavelength, one in zip(bands.wavelength, np.moveaxis(power, -1, 0), strict=True)
+    )
 
 
 def read_stokes(found: NDArray[np.float64]) -> PolarisationResult:
@@ -125,7 +163,7 @@ def read_stokes(found: NDArray[np.float64]) -> PolarisationResult:
     return PolarisationResult(
         _mean(found[:, 0]), along, diagonal, circular,
         vector_length(share, covariance, blocks - 1),
-        tuple(_mean(_behind(found, angle)) for angle in ANGLES), blocks * NET,
+        tuple(_mean(_behind(found, angle)) for angle in ANGLES), (), blocks * NET,
     )  # fmt: skip
 
 

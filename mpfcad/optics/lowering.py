@@ -237,7 +237,13 @@ def _plane_columns(layer: PlaneLayer, shared: Shared) -> Mapping[int, float]:
 
 
 def _converter_columns(thin: Converter, shared: Shared) -> Mapping[int, float]:
-    return {converter.INDEX: thin.index, converter.DEPTH: thin.depth}
+    return {
+        converter.INDEX: thin.index,
+        converter.DEPTH: thin.depth,
+        converter.THICKNESS: thin.thickness,
+        converter.SCATTERING: thin.scattering,
+        converter.ASYMMETRY: thin.asymmetry,
+    }
 
 
 def _mueller_columns(layer: MuellerLayer, shared: Shared) -> Mapping[int, float]:

@@ -34,8 +34,7 @@ from mpfcad.optics.library.passage import placed_library_passage
 from mpfcad.optics.score.state import PASSED, soak, weigh
 from mpfcad.optics.sheet import DEPOLARISATION, TRANSMISSION, sheet_passage
 from mpfcad.optics.slab import slab_passage
-from mpfcad.optics.spectral import converter
-from mpfcad.optics.spectral.converter import offer, slant
+from mpfcad.optics.spectral.film import converter_passage
 from mpfcad.optics.spectral.hue import MATERIAL, RESIN, SURFACE, seen, stain, strike
 from mpfcad.optics.stokes.mueller import mueller_passage
 from mpfcad.optics.stokes.plane import plane_passage
@@ -95,11 +94,10 @@ def pass_element(scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, s
             weight *= mueller_passage(parameter, dx, dy, dz, light)
             way = 1 if up else -1
     elif kind == CONVERTER:
-        length = slant(parameter[converter.INDEX], dz)
-        offer(hue, e, parameter[converter.DEPTH], length, x, y, weight, rng)
-        weight *= math.exp(-parameter[converter.DEPTH] * length)
-        stain(hue, e, MATERIAL, length)
-        way = 1 if up else -1
+        way, x, y, dx, dy, dz, weight = converter_passage(
+            scene, e, up, x, y, dx, dy, dz, weight, flow, light, hue, rng
+        )
+        before = weight
     elif kind == LIBRARY_FILM:
         way, x, y, dx, dy, dz = placed_library_passage(
             scene.library, parameter, up, x, y, dx, dy, dz, light, rng

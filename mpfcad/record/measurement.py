@@ -154,7 +154,21 @@ def describe_polarisation(result: PolarisationResult) -> dict[str, Any]:
         "degree_of_polarisation": describe_estimate(result.degree),
         "polariser_angle_deg": _degrees(ANGLES),
         "behind_polariser_cd_m2": [describe_estimate(one) for one in result.behind],
+        **_by_band(result),
         "paths": result.paths,
+    }
+
+
+def _by_band(result: PolarisationResult) -> dict[str, Any]:
+    """Return Q/I of each band, null of one without light; nothing without bands."""
+    if not result.by_band:
+        return {}
+    wavelength, share = zip(*result.by_band, strict=True)
+    return {
+        "by_band": {
+            "wavelength_nm": list(wavelength),
+            "along_minus_across": [describe_estimate(one) for one in share],
+        }
     }
 
 

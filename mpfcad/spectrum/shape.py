@@ -1,5 +1,6 @@
 """The spectrum of a lamp or a phosphor: power by wavelength, on the observer's wavelengths."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,8 +46,13 @@ class Spectrum:
 
 
 def gaussian(peak: float, fwhm: float) -> NDArray[np.float64]:
-    """Return exp(-4 ln 2 ((λ - peak)/fwhm)²) [nm], (471,) float64: an LED's or a quantum dot's."""
-    return np.asarray(np.exp(-4 * np.log(2.0) * ((wavelengths() - peak) / fwhm) ** 2))
+    """Return exp(-4 ln 2 ((λ - peak)/fwhm)²) [nm], (471,) float64: an LED's or a quantum dot's.
+
+    Each value is the mean over the nanometre about its wavelength.
+    """
+    rate = 2 * math.sqrt(math.log(2.0)) / fwhm
+    below = np.array([math.erf(rate * (edge - peak)) for edge in _edges()])
+    return np.asarray(math.sqrt(math.pi) / (2 * rate) * np.diff(below))
 
 
 def planckian(temperature: float) -> NDArray[np.float64]:
@@ -62,5 +68,22 @@ def planckian(temperature: float) -> NDArray[np.float64]:
 def interpolated(
     wavelength: NDArray[np.float64], power: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return a table's power, linear between its rows and 0 beyond them, (471,) float64."""
-    return np.interp(wavelengths(), wavelength, power, left=0.0, right=0.0)
+    """Return a table's power, linear between its rows and 0 beyond them, (471,) float64.
+
+    Of rows that are nearer than 1 nm each value is the mean over the nanometre about its
+    wavelength, so that no line between two wavelengths is missed.
+    """
+    if np.diff(wavelength).min() >= 1.0:
+        return np.interp(wavelengths(), wavelength, power, left=0.0, right=0.0)
+    edge = np.clip(_edges(), wavelength[0], wavelength[-1])
+    knot = np.union1d(wavelength, edge)
+    value = np.interp(knot, wavelength, power)
+    part = np.diff(knot) * (value[1:] + value[:-1]) / 2
+    below = np.concatenate([[0.0], np.cumsum(part)])
+    return np.asarray(np.diff(below[np.searchsorted(knot, edge)]))
+
+
+def _edges() -> NDArray[np.float64]:
+    """Return where the nanometres about `wavelengths` end, (472,) float64."""
+    length = wavelengths()
+    return np.append(length - 0.5, length[-1] + 0.5)

@@ -198,6 +198,11 @@ def test_a_job_and_a_preset_are_cases(place):
     assert slim.lit.stack.thickness == 16.0 and slim.lit.case["mesh"] == job.lit.case["mesh"]
     bef = read_case("thesis-32in-mpf")
     assert bef.name == "BEF" and bef.lit.case["mesh"] != job.lit.case["mesh"]
+    (place / "own.toml").write_text('extends = "thesis-32in-mpf"\ntitle = "own"\n')
+    own = read_case("own.toml")
+    assert own.name == "BEF" and own.lit.stack.name == "own"
+    assert own.lit.case["mesh"] == bef.lit.case["mesh"]
+    assert read_case("own.toml", thickness=16.0).lit.stack.thickness == 16.0
 
 
 @pytest.mark.parametrize(
@@ -207,12 +212,20 @@ def test_a_job_and_a_preset_are_cases(place):
         (["measure", "film.stl", "--what", "panel"], "extent: pitch: expected panel"),
         (["measure", "none.stl"], "none.stl: no such file"),
         (["measure", "none"], "none: no such preset"),
+        (["measure", "none.toml"], "none.toml: no such file: expected a closed mesh in mm, a job"),
+        (["measure", "thesis-32in-mpf", "--stack", "led-tv-20mm"], "is a stack itself"),
+        (["measure", "own.toml", "--stack", "led-tv-20mm"], "own.toml is a stack itself"),
+        (["measure", "wrong.toml"], "wrong.toml: value.thickness_mm: 0: expected a number in"),
+        (["measure", "own.toml", "--offset-mm", "1"], "--offset-mm: 1: of own.toml: expected a"),
         (["measure", "cache"], "is no export of mpfcad"),
         (["compare", "film.stl@none"], "none: no such preset"),
         (["compare"], "CASE"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_2(place, measured, capsys, arguments, words):
+    own = 'extends = "thesis-32in-mpf"\ntitle = "own"\n'
+    (place / "own.toml").write_text(own)
+    (place / "wrong.toml").write_text(f"{own}[value]\nthickness_mm = 0\n")
     before = sorted(path.name for path in place.iterdir())
     assert run_app(arguments) == 2
     error = capsys.readouterr().err

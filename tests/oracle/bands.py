@@ -6,7 +6,8 @@ import math
 import numpy as np
 
 from mpfcad.optics.element import Cavity, Converter
-from oracle.ray import Philox, disk, roulette
+from mpfcad.optics.stokes.plane import PlaneLayer
+from oracle.ray import Philox, about, disk, refract, roulette, scattering_cosine
 from oracle.tracer import ReferenceTracer
 
 
@@ -71,6 +72,19 @@ def in_bands(variants):
     return joined
 
 
+class Drawn:
+    """One of all the conversions that a path has passed: their weight, and the one."""
+
+    def __init__(self):
+        self.total, self.one = 0.0, None
+
+    def offer(self, rng, chance, one):
+        if chance > 0:
+            self.total += chance
+            if rng() * self.total < chance:
+                self.one = one
+
+
 class BandTracer(ReferenceTracer):
     """Traces paths at all bands at once, with converters; scores a channel a band and converter."""
 
@@ -80,81 +94,155 @@ class BandTracer(ReferenceTracer):
         self.kinds = [e for e in self.elements if isinstance(e, Converter)]
 
     def channels(self, x, spot, acceptance, rng: Philox, *, y=0.0, spot_along=0.0):
-        """Return what one path adds to each channel, (b · (1 + converters),)."""
+        """Return what one path adds to each meter's channels, (meters, b · (1 + converters))."""
         bands = len(self.source)
-        score = np.zeros((1 + len(self.kinds), bands))
+        score = np.zeros((len(rng.meters), 1 + len(self.kinds), bands))
         x += (rng() - 0.5) * spot
         y += (rng() - 0.5) * (spot_along or self.length)
         start = (x, y, 0.0), self._look((0.0, 0.0), acceptance, disk(rng)), False
+        rng.start(start[1])
         number, weight, head, kind = len(self.elements) - 1, Weights(1.0, np.ones(bands)), None, 0
+        drawn = Drawn()
         while True:
-            found, total, kept = self._follow(number, *start, weight, rng, head)
-            found = found * Weights(1.0, np.ones(bands))
+            found = self._follow(number, *start, weight, rng, drawn) if weight.lead else 0.0
             if head is None:
-                score[0] += found.bands
+                score[:, 0] += found
             else:
-                score[kind] += (found.bands @ self.source) * head
-            lead = roulette(total, rng) if total > 0 else 0.0
+                score[:, kind] += (found @ self.source)[:, None] * head if weight.lead else 0.0
+            lead = roulette(drawn.total, rng) if drawn.total > 0 else 0.0
             if lead == 0:
-                return score.ravel()
-            place, number, offered = kept
+                return score.reshape(len(score), -1)
+            place, number, offered, meters = drawn.one
+            drawn = Drawn()
             element = self.elements[number]
             if head is None:
                 head, kind = offered, 1 + self.kinds.index(element)
-            px, py = disk(rng)
-            dz = math.sqrt(1 - px * px - py * py)
-            took = 1 - np.exp(
-                -Weights.of(element.depth).bands * np.ones(bands) * slant(element, dz)
-            )
-            took = element.quantum_yield * self.wavelength / 550.0 * took
+            taken = element.quantum_yield * self.wavelength / 550.0
+            depth = Weights.of(element.depth).bands * np.ones(bands)
+            if element.thickness:
+                z = 2 * rng() - 1
+                angle = 2 * math.pi * rng()
+                d = (*(math.sqrt(1 - z * z) * f(angle) for f in (math.cos, math.sin)), z)
+                took = taken * depth
+            else:
+                px, py = disk(rng)
+                d = (px, py, math.sqrt(1 - px * px - py * py))
+                took = taken * (1 - np.exp(-depth * slant(element, d[2])))
             if took.max() <= 0:
-                return score.ravel()
-            up = rng() < 0.5
-            start = place, (px, py, dz if up else -dz), up
+                return score.reshape(len(score), -1)
+            rng.begin_again(meters)
+            weight = Weights(lead * took.max(), lead * took)
+            if element.thickness:
+                up, place, d, weight = self._within(number, place, d, weight, rng, drawn)
+            else:
+                up = rng() < 0.5
+                d = d if up else (d[0], d[1], -d[2])
+            start = place, d, up
             number += 1 if up else -1
-            most = lead * took.max()
-            kept = roulette(most, rng) / most
-            if kept == 0:
-                # What ends has passed no other sheet: nothing is drawn from.
-                return score.ravel()
-            weight = Weights(kept * most, kept * lead * took)
+            weight = thinned(weight, rng)
 
-    def _follow(self, number, place, d, up, weight, rng, head):
-        """Follow a path to its end: (light found, weight of all conversions, the one drawn)."""
-        found, total, kept = Weights.of(0.0), 0.0, None
+    def _follow(self, number, place, d, up, weight, rng, drawn):
+        """Follow a path to its end; return the light that each meter finds, (meters, b)."""
+        found = np.zeros((len(rng.meters), len(self.source)))
+        one = Weights(1.0, np.ones(len(self.source)))
         while True:
-            if number < 0:
-                return found + weight * self.below, total, kept
-            if number == len(self.elements):
-                return found + weight * self.above, total, kept
+            if not 0 <= number < len(self.elements):
+                radiance = self.below if number < 0 else self.above
+                return found + np.outer(rng.meters, (weight * one * radiance).bands)
             element = self.elements[number]
             if isinstance(element, Converter):
-                shares = self.photons[self.kinds.index(element)] * 550.0 / self.wavelength
-                offered = weight.bands * np.ones(len(shares)) * shares
-                chance = offered.sum()
-                if chance > 0:
-                    total += chance
-                    if rng() * total < chance:
-                        kept = place, number, offered / chance
-                passed = -(Weights.of(element.depth) * slant(element, d[2]))
-                weight = weight * passed.exp()
+                passing = self._film_of_dots if element.thickness else self._sheet_of_dots
+                up, place, d, weight = passing(number, up, place, d, weight, rng, drawn)
             else:
                 up, place, d, weight, seen = self._through(element, up, place, d, weight, rng)
-                found = found + seen
-            weight = Weights.of(weight)
-            factor = roulette(weight.lead, rng) / weight.lead if weight.lead else 0.0
-            if factor == 0:
-                return found, total, kept
-            weight = weight * factor
+                found = found + np.outer(rng.meters, (seen * one).bands)
+            weight = thinned(Weights.of(weight), rng)
+            if weight.lead == 0:
+                return found
             number += 1 if up else -1
+
+    def _emitted(self, number):
+        shares = self.photons[self.kinds.index(self.elements[number])]
+        return shares * 550.0 / self.wavelength
+
+    def _sheet_of_dots(self, number, up, place, d, weight, rng, drawn):
+        element = self.elements[number]
+        offered = weight.bands * self._emitted(number)
+        chance = offered.sum()
+        drawn.offer(rng, chance, (place, number, offered / max(chance, 1e-300), rng.meters))
+        return up, place, d, weight * (-(Weights.of(element.depth) * slant(element, d[2]))).exp()
+
+    def _film_of_dots(self, number, up, place, d, weight, rng, drawn):
+        element = self.elements[number]
+        if rng.reflects(d, (0.0, 0.0, 1.0), 1.0, element.index):
+            return not up, place, (d[0], d[1], -d[2]), weight
+        d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), 1.0, element.index)
+        place = (*place[:2], 0.0 if up else element.thickness)
+        return self._within(number, place, d, weight, rng, drawn)
+
+    def _within(self, number, place, d, weight, rng, drawn):
+        """Follow a path within a film: step, take, scatter or meet a face."""
+        film = self.elements[number]
+        thick, depth, dead = film.thickness, Weights.of(film.depth), Weights(0.0, 0.0 * self.source)
+        x, y, z = place
+        while True:
+            face = ((thick if d[2] > 0 else 0.0) - z) / d[2]
+            free = -math.log(1 - rng()) / film.scattering if film.scattering else math.inf
+            step = min(face, free)
+            guided = not film.scattering and math.hypot(d[0], d[1]) >= 1 / film.index
+            rates = (depth.bands * np.ones(len(self.source)))[weight.bands > 0]
+            if guided and not (rates > 0).any():
+                return True, (x, y, z), d, dead
+            if guided:
+                # Lengths in thicknesses; the way goes on for good between the faces.
+                rate = rates[rates > 0].min()
+                length = -math.log(1 - rng()) / rate
+                span = math.exp(rate * length) / rate
+            else:
+                span = step / thick
+                length = rng() * span
+            offered = (weight * (-(depth * length)).exp()).bands * self._emitted(number) * span
+            s, chance = length * thick, offered.sum()
+            at = abs((z + s * d[2] + thick) % (2 * thick) - thick)
+            drawn.offer(
+                rng, chance, ((x + s * d[0], y + s * d[1], at), number,
+                              offered / max(chance, 1e-300), rng.meters),
+            )  # fmt: skip
+            if guided:
+                return True, (x, y, z), d, dead
+            weight = weight * (-(depth * (step / thick))).exp()
+            if isinstance(film.depth, Weights):
+                weight = Weights(weight.bands.max(), weight.bands)
+            weight = thinned(weight, rng)
+            if weight.lead == 0:
+                return True, (x, y, z), d, weight
+            x, y, z = x + step * d[0], y + step * d[1], z + step * d[2]
+            if free < face:
+                cosine = scattering_cosine(None, film.asymmetry, rng())
+                d = about(d, cosine, 2 * math.pi * rng())
+                rng.depolarise()
+                continue
+            up = d[2] > 0
+            z = thick if up else 0.0
+            if rng.reflects(d, (0.0, 0.0, 1.0), film.index, 1.0):
+                d = (d[0], d[1], -d[2])
+                continue
+            d = refract(d, (0.0, 0.0, -math.copysign(1.0, d[2])), film.index, 1.0)
+            return up, (x, y, 0.0), d, weight
 
     def _through(self, element, up, place, d, weight, rng):
         from oracle.cavity import cavity_passage
 
         if isinstance(element, Cavity):
             return cavity_passage(element, up, place, d, weight, rng)
-        name = f"_{type(element).__name__.lower()}"
+        name = "_plane" if isinstance(element, PlaneLayer) else f"_{type(element).__name__.lower()}"
         return getattr(self, name)(element, up, place, d, weight, rng)
+
+
+def thinned(weight, rng):
+    """Return the weight that the roulette leaves."""
+    factor = roulette(weight.lead, rng) / weight.lead if weight.lead else 0.0
+    return weight * factor
 
 
 def slant(element, dz):

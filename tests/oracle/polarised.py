@@ -47,6 +47,13 @@ class PolarisedPhilox(Philox):
         self.even = None
 
     @property
+    def meters(self) -> np.ndarray:
+        return self.intensity
+
+    def begin_again(self, meters: np.ndarray) -> None:
+        self.even = meters
+
+    @property
     def intensity(self) -> np.ndarray:
         """What each meter sees of unpolarised light of 1 that comes along the path, (4,)."""
         if self.even is not None:

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from mpfcad.optics.base.net import DIMENSIONS, NET, direction_numbers
 
 _ALL = 2**64 - 1
@@ -36,6 +38,14 @@ class Philox:
     def reflects(self, d: Vector, n: Vector, n_in: float, n_out: float) -> bool:
         """Return whether a ray is reflected at an interface of normal n, by the next number."""
         return self() < reflectance(abs(dot(d, n)), n_in, n_out)
+
+    @property
+    def meters(self) -> np.ndarray:
+        """What each meter sees of light of 1: one meter, and all of it (`PolarisedPhilox`)."""
+        return np.ones(1)
+
+    def begin_again(self, meters: np.ndarray) -> None:
+        """Start the path again, unpolarised, of which the meters see so much."""
 
     def depolarise(self) -> None:
         """Make light unpolarised: this light always is (`PolarisedPhilox`)."""

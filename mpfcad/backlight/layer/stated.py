@@ -83,6 +83,8 @@ OWN_VALUES: dict[str, dict[str, tuple[float, float, str | float | None]]] = {
         "thickness_um": (0.01, 10_000.0, LEFT_OUT),
         "yield": (0.0, 1.0, None),
         "index": (*_INDEX, 1.5),
+        "scattering_per_mm": (0.0, 10_000.0, LEFT_OUT),
+        "asymmetry": (-0.99, 0.99, LEFT_OUT),
     },
     "polariser": {
         "axis_deg": (*_ANGLE, 0.0),

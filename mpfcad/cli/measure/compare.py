@@ -13,9 +13,9 @@ def command(
         list[str],
         typer.Argument(
             metavar="CASE…",
-            help="JOB.toml, an export folder, FILE.stl, or a stack preset (with a plain BEF in "
-            "it), all under tubes or all under LEDs; each with @STACK behind it to put the film "
-            "into that stack.",
+            help="JOB.toml, an export folder, FILE.stl, or a stack by its preset's name or file "
+            "(with a plain BEF in it), all under tubes or all under LEDs; each with @STACK behind "
+            "it to put the film into that stack.",
         ),
     ],
     seed: Seed = 1,

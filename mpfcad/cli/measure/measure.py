@@ -19,7 +19,7 @@ from mpfcad.cli.option import (
 
 def command(
     source: Annotated[
-        str, typer.Argument(metavar="FILE.stl|DIR|JOB.toml|PRESET", help="What to measure.")
+        str, typer.Argument(metavar="FILE.stl|DIR|JOB.toml|STACK", help="What to measure.")
     ],
     stack: Annotated[
         str | None,

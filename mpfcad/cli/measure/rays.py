@@ -19,7 +19,7 @@ class Place(StrEnum):
 def command(
     source: Annotated[
         str,
-        typer.Argument(metavar="FILE.stl|DIR|JOB.toml|PRESET", help="The film in its backlight."),
+        typer.Argument(metavar="FILE.stl|DIR|JOB.toml|STACK", help="The film in its backlight."),
     ],
     out: Annotated[
         Path,

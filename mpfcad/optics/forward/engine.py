@@ -8,7 +8,7 @@ from numba import njit, uint64
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
-from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.net import NET
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import start_net_path
@@ -23,11 +23,14 @@ from mpfcad.optics.forward.connection import (
     score_spread,
     turned_into,
 )
+from mpfcad.optics.passage import ENDED
 from mpfcad.optics.scene import Scene
 from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
 from mpfcad.optics.spectral.again import go_on_in_bands
 from mpfcad.optics.spectral.engine import Spectral
 from mpfcad.optics.spectral.hue import Hue, begin_hue, look_at, seen
+from mpfcad.optics.stokes.bands import ONLY, pass_on, resume
+from mpfcad.optics.stokes.state import LIGHT_SHAPE, start_light
 from mpfcad.optics.wave import SLOTS, Wave, enqueue, take_longest
 
 #: Paths of one block: whole nets.
@@ -86,8 +89,8 @@ def can_connect(scene: Scene) -> bool:
 
 
 @kernel
-def _begin(scene, seed, path, slot, wave, hue):
-    """Put a new path into a slot and before the cavity."""
+def begin(scene, seed, path, slot, wave, hue):
+    """Put a new path into a slot; its number there is that of its LED."""
     rng = wave.rng[slot]
     start_net_path(rng, seed, uint64(_STREAM), path, uint64(1))
     x, y, z, dx, dy, dz, led = led_start(scene, rng)
@@ -99,7 +102,20 @@ def _begin(scene, seed, path, slot, wave, hue):
     wave.lamp[slot] = led
     wave.path[slot] = led
     begin_hue(hue, slot)
-    enqueue(wave, 0, slot)
+
+
+@kernel
+def arrive(scene, meter, slot, wave, hue, terms, score):
+    """Score what the topmost sheet sends into the meter of a ray that comes up to it."""
+    p, last = wave.place[slot], len(scene.kind) - 1
+    value = wave.weight[slot] * turned_into(
+        scene.parameter[last], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
+    )
+    value = seen(hue, value)
+    if meter.reach > 0:
+        score_spread(meter, score, wave.path[slot], p[0], p[1], value)
+    else:
+        score_at(meter, score, terms, p[0], p[1], value)
 
 
 @njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
@@ -115,7 +131,8 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow, hue):
     last = len(scene.kind) - 1
     while True:
         for i in range(min(free, count - started)):
-            _begin(scene, seed, first + uint64(started + i), freed[i], wave, hue)
+            begin(scene, seed, first + uint64(started + i), freed[i], wave, hue)
+            enqueue(wave, 0, freed[i])
         started += min(free, count - started)
         free = 0
         e, waiting = take_longest(wave)
@@ -125,22 +142,33 @@ def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow, hue):
         if e == last:
             for slot in rays:
                 if wave.upward[slot] != 0:
-                    p = wave.place[slot]
                     look_at(hue, wave, slot)
-                    value = wave.weight[slot] * turned_into(
-                        scene.parameter[e], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
-                    )
-                    value = seen(hue, value)
-                    if meter.reach > 0:
-                        score_spread(meter, score, wave.path[slot], p[0], p[1], value)
-                    else:
-                        score_at(meter, score, terms, p[0], p[1], value)
+                    arrive(scene, meter, slot, wave, hue, terms, score)
         pass_queue(scene, e, rays, wave, flow, None, hue)
         for i in range(waiting):
             slot = uint64(rays[i])
             if not go_on_in_bands(scene, e, slot, wave, flow, hue):
                 freed[free] = slot
                 free += 1
+
+
+@entry
+def trace_polarised_cell(scene, meter, seed, first, count, wave, terms, light, score, flow, hue):
+    """Follow paths of polarised light as `trace_cell` does, one after the other."""
+    last = len(scene.kind) - 1
+    if hue is not None:
+        hue.at[0], hue.at[1] = 0, 0
+    for i in range(count):
+        begin(scene, seed, first + uint64(i), ONLY, wave, hue)
+        p = wave.place[ONLY]
+        start_light(light, 1, p[3], p[4], p[5])
+        e, begun = 0, True
+        while begun:
+            while e != ENDED:
+                if e == last and wave.upward[ONLY] != 0:
+                    arrive(scene, meter, ONLY, wave, hue, terms, score)
+                e, _ = pass_on(scene, e, wave, flow, light, hue)
+            begun, e, _ = resume(scene, wave, flow, light, hue)
 
 
 def refuse_unconnected(scene: Scene) -> None:
@@ -163,10 +191,12 @@ def trace_one(
     flow = np.zeros(len(FLOWS) + len(scene.kind))
     for part, share, hue in _scenes(scene, spectral):
         own = np.zeros_like(score)
-        trace_cell(
-            part, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK,
-            Wave.empty(len(scene.kind)), np.zeros((2, TERMS)), own, flow, hue,
-        )  # fmt: skip
+        paths = part, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK
+        scratch = Wave.empty(len(scene.kind)), np.zeros((2, TERMS))
+        if part.polarised:
+            trace_polarised_cell(*paths, *scratch, np.zeros(LIGHT_SHAPE), own, flow, hue)
+        else:
+            trace_cell(*paths, *scratch, own, flow, hue)
         score += share * own
     return score, flow
 

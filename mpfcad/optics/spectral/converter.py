@@ -1,9 +1,12 @@
-"""A thin sheet of phosphor or quantum dots: it takes light at some wavelengths and emits at others.
+"""Phosphor or quantum dots: what takes light at some wavelengths and emits at others.
 
-Of light at an angle θ' within it, it passes exp(-depth / cos θ') straight on (Bouguer and Lambert),
-and takes the rest. Of the photons taken a share, its yield, is emitted anew with one spectrum
-whatever was taken (Kasha, "Characterization of electronic transitions in complex molecules", 1950),
-half to each side, Lambertian. Its faces reflect nothing. With the photons N of each band this is
+A sheet is thin and has no faces; a film (`film`) has an index, faces, and light within it.
+
+Of light at an angle θ' within it, a sheet passes exp(-depth / cos θ') straight on (Bouguer and
+Lambert), and takes the rest. Of the photons taken a share, its yield, is emitted anew with one
+spectrum whatever was taken (Kasha, "Characterization of electronic transitions in complex
+molecules", 1950), half to each side, Lambertian. Its faces reflect nothing. With the photons N of
+each band this is
 
     emitted N_m = q_m · yield · Σ_b A_b(θ') N_b,   A_b = 1 - exp(-depth_b / cos θ'), Σ_m q_m = 1,
 
@@ -29,17 +32,18 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.mirror import Mirrored
 from mpfcad.optics.base.sampling import uniform
 from mpfcad.optics.spectral.hue import MATERIAL, OWN
+from mpfcad.optics.stokes.state import keep_rows
 from mpfcad.sound import refuse_unsound
 
 #: The columns of a converter in `Scene.parameter`.
-INDEX, DEPTH = range(2)
+INDEX, DEPTH, THICKNESS, SCATTERING, ASYMMETRY = range(5)
 #: Wavelength [nm] by which photons' energies are counted: numbers stay near 1.
 _UNIT_NM = 550.0
 
 
 @dataclass(frozen=True)
 class Converter(Mirrored):
-    """A converting sheet at one wavelength.
+    """A converting sheet or film at one wavelength.
 
     Attributes
     ----------
@@ -47,6 +51,10 @@ class Converter(Mirrored):
         optical depth along the normal: -ln of what passes
     index
         refractive index within, which bends the ray and with it its path
+    thickness
+        [mm] of a film with faces of its own; 0: a thin sheet without any
+    scattering, asymmetry
+        coefficient within a film [1/mm], and mean cosine of one scattering
     quantum_yield
         photons emitted for one taken, 0…1
     """
@@ -55,11 +63,17 @@ class Converter(Mirrored):
     index: float = 1.5
     quantum_yield: float = 1.0
     name: str = "converter"
+    thickness: float = 0.0
+    scattering: float = 0.0
+    asymmetry: float = 0.0
 
     def __post_init__(self) -> None:
         refuse_unsound(f"{self.name}.depth", self.depth, 0.0)
         refuse_unsound(f"{self.name}.index", self.index, 1.0)
         refuse_unsound(f"{self.name}.quantum_yield", self.quantum_yield, 0.0, 1.0)
+        refuse_unsound(f"{self.name}.thickness", self.thickness, 0.0)
+        refuse_unsound(f"{self.name}.scattering", self.scattering, 0.0)
+        refuse_unsound(f"{self.name}.asymmetry", self.asymmetry, -1.0, 1.0)
 
 
 def conversion(
@@ -81,17 +95,17 @@ def slant(index, dz):
 
 
 @kernel
-def offer(hue, e, depth, length, x, y, weight, rng):
-    """Let a path that passes a converter have come from there: one of all it passes is drawn.
+def offer(hue, light, e, depth, length, x, y, weight, rng):
+    """Let a path that passes a converting sheet have come from there: one of all is drawn.
 
     `depth` is that of the scene, by which the path is drawn; `length` its 1/cos θ' within.
     """
     if hue is not None:
-        _offer(hue, e, depth, length, x, y, weight, rng)
+        _offer(hue, light, e, depth, length, x, y, weight, rng)
 
 
 @kernel
-def _offer(hue, e, depth, length, x, y, weight, rng):
+def _offer(hue, light, e, depth, length, x, y, weight, rng):
     slot, tables = hue.at[0], hue.tables
     kind, chance = tables.species[e], 0.0
     for b in range(hue.tint.shape[1]):
@@ -103,13 +117,22 @@ def _offer(hue, e, depth, length, x, y, weight, rng):
             if hue.stage[slot] == OWN:
                 part *= tables.source[b]
         chance += part
-    if chance > 0.0 and weight > 0.0:
-        hue.chance[slot] += weight * chance
-        if uniform(rng) * hue.chance[slot] < weight * chance:
-            hue.place[slot, 0], hue.place[slot, 1] = x, y
-            hue.element[slot] = e
-            for b in range(hue.tint.shape[1]):
-                hue.offered[slot, b] = hue.tint[slot, b] * tables.emitted[kind, b] / chance
+    if draws(hue, weight * chance, rng):
+        hue.place[slot, 0], hue.place[slot, 1] = x, y
+        hue.element[slot] = e
+        keep_rows(light, hue.kept[slot])
+        for b in range(hue.tint.shape[1]):
+            hue.offered[slot, b] = hue.tint[slot, b] * tables.emitted[kind, b] / chance
+
+
+@kernel
+def draws(hue, chance, rng):
+    """Return whether a conversion of so much weight is drawn of all that the path has passed."""
+    slot, drawn = hue.at[0], False
+    if chance > 0.0:
+        hue.chance[slot] += chance
+        drawn = uniform(rng) * hue.chance[slot] < chance
+    return drawn
 
 
 @kernel

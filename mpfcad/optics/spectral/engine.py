@@ -30,6 +30,8 @@ from mpfcad.optics.spectral.again import go_on_in_bands
 from mpfcad.optics.spectral.converter import conversion
 from mpfcad.optics.spectral.envelope import envelope
 from mpfcad.optics.spectral.hue import Hue, Tables, begin_hue
+from mpfcad.optics.stokes.bands import PolarisedWork
+from mpfcad.optics.stokes.state import ROWS
 from mpfcad.optics.wave import SLOTS, Wave, take_longest
 
 
@@ -171,6 +173,14 @@ class _Work:
         return np.array(sums).T
 
 
+def _work(spectral: Spectral, points: int, rows: int) -> Any:
+    """Return the scratch of a block; `rows` of the state that are followed of polarised light."""
+    scenes = spectral.scenes
+    if not scenes[0].polarised:
+        return _Work(spectral, points)
+    return PolarisedWork(scenes, spectral.colour, spectral.tables, points, rows)
+
+
 def trace_luminance(
     spectral: Spectral, source: Source, blocks: int, *, seed: int = 1, first: int = 0,
     threads: int = 1, after_block: Callable[[], None] | None = None,
@@ -181,13 +191,13 @@ def trace_luminance(
     """
     points = len(source.position)
 
-    def one(work: _Work, block: int) -> Tally:
+    def one(work: Any, block: int) -> Tally:
         flow = np.zeros(spectral.flows)
         work.trace(source, block, seed, flow)
         return Tally.of_block(work.radiance, flow)
 
     empty = Tally.empty(points, spectral.flows)
-    return _all(spectral, source, one, add, empty, range(first, first + blocks), threads,
+    return _all(spectral, source, 1, one, add, empty, range(first, first + blocks), threads,
                 after_block)  # fmt: skip
 
 
@@ -200,31 +210,58 @@ def trace_channels(
     In the unit of the lamps' luminance; its product with `colour` is X, Y, Z [cd/m²]. The same
     blocks give the same bits at any number of threads.
     """
+    found = _means(spectral, source, 1, seed, range(first, first + blocks), threads, after_block)
+    return found.reshape(blocks, len(source.position), len(spectral.colour))
 
-    def one(work: _Work, block: int) -> list[NDArray[np.float64]]:
+
+def trace_stokes_channels(
+    spectral: Spectral, source: Source, blocks: int, *, seed: int = 1, first: int = 0,
+    threads: int = 1, after_block: Callable[[], None] | None = None,
+) -> NDArray[np.float64]:  # fmt: skip
+    """Return the mean I, Q, U, V of each channel of each block and point, (blocks, p, 4, channels).
+
+    Units are those of `trace_channels`, axes those of `stokes.engine.trace_stokes`.
+
+    Raises
+    ------
+    TraceError
+        when light is not polarised.
+    """
+    if not spectral.scenes[0].polarised:
+        raise TraceError("bands: Stokes vectors: expected polarised light")
+    found = _means(spectral, source, ROWS, seed, range(first, first + blocks), threads, after_block)
+    return found.reshape(blocks, len(source.position), ROWS, len(spectral.colour))
+
+
+def _means(
+    spectral: Spectral, source: Source, rows: int, seed: int, blocks: range, threads: int,
+    after: Callable[[], None] | None,
+) -> NDArray[np.float64]:  # fmt: skip
+    """Return what each block's scratch gives as sums, over the paths of a point."""
+
+    def one(work: Any, block: int) -> list[NDArray[np.float64]]:
         return [work.trace(source, block, seed, np.zeros(spectral.flows)) / NET]
 
-    parts: list[NDArray[np.float64]] = _all(
-        spectral, source, one, list.__add__, [], range(first, first + blocks), threads, after_block
+    return np.array(
+        _all(spectral, source, rows, one, list.__add__, [], blocks, threads, after), np.float64
     )
-    return np.array(parts).reshape(blocks, len(source.position), len(spectral.colour))
 
 
 def _all(
-    spectral: Spectral, source: Source, one: Callable[[_Work, int], Any], join: Any, empty: Any,
-    blocks: range, threads: int, after: Callable[[], None] | None,
+    spectral: Spectral, source: Source, rows: int, one: Callable[[Any, int], Any], join: Any,
+    empty: Any, blocks: range, threads: int, after: Callable[[], None] | None,
 ) -> Any:  # fmt: skip
     """Return the sum of what `one` gives of each block, its scratch handed on."""
     tables = spectral.tables
     if tables is not None and len(tables.taken) and source.kind != EYE:
         raise TraceError("bands: light is converted on paths from a meter alone")
-    scratch: list[_Work] = []
+    scratch: list[Any] = []
 
     def of(block: int) -> Any:
         try:
             work = scratch.pop()
         except IndexError:
-            work = _Work(spectral, len(source.position))
+            work = _work(spectral, len(source.position), rows)
         found = one(work, block)
         scratch.append(work)
         return found

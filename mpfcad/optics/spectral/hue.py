@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import kernel
+from mpfcad.optics.stokes.state import ROWS
 
 #: What a path of its length in weakens: a plate or prism, and resin of another material.
 MATERIAL, RESIN = range(2)
@@ -74,8 +75,10 @@ class Hue(NamedTuple):
     head
         (s, b) float64, what of its light the meter sees at each band
     chance, place, element, offered
-        (s,), (s, 2), (s,), (s, b): the weight of all conversions that the path passed, and of the
+        (s,), (s, 3), (s,), (s, b): the weight of all conversions that the path passed, and of the
         one drawn among them: where, in which element, and with which `head`
+    kept
+        (s, 4) float64, of polarised light what each meter saw there (`stokes.state`)
     score
         (p, channels) float64, sums of what the paths of each point saw
     at
@@ -90,6 +93,7 @@ class Hue(NamedTuple):
     place: NDArray[np.float64]
     element: NDArray[np.int64]
     offered: NDArray[np.float64]
+    kept: NDArray[np.float64]
     score: NDArray[np.float64]
     at: NDArray[np.int64]
 
@@ -103,7 +107,7 @@ class Hue(NamedTuple):
 
         return cls(
             tables, of_slots(), np.zeros(slots, np.int64), of_slots(), np.zeros(slots),
-            np.zeros((slots, 2)), np.zeros(slots, np.int64), of_slots(),
+            np.zeros((slots, 3)), np.zeros(slots, np.int64), of_slots(), np.zeros((slots, ROWS)),
             np.zeros((points, len(tables.luminance))), np.zeros(2, np.int64),
         )  # fmt: skip
 
@@ -147,6 +151,30 @@ def _stain(hue, e, material, length):
         slot = hue.at[0]
         for b in range(hue.tint.shape[1]):
             hue.tint[slot, b] *= math.exp(-hue.tables.soak[e, material, b] * length)
+
+
+@kernel
+def even_out(hue, e, weight):
+    """Return a weight times the largest tint, of which the tints become shares; 0: none is left.
+
+    An element within which light may go on until all bands are taken needs it to see paths end.
+    """
+    if hue is not None:
+        weight *= _even_out(hue, e)
+    return weight
+
+
+@kernel
+def _even_out(hue, e):
+    if hue.tables.coloured[e] == 0:
+        return 1.0
+    slot, most = hue.at[0], 0.0
+    for b in range(hue.tint.shape[1]):
+        most = max(most, hue.tint[slot, b])
+    if most > 0.0:
+        for b in range(hue.tint.shape[1]):
+            hue.tint[slot, b] /= most
+    return most
 
 
 @kernel

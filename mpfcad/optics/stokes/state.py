@@ -63,6 +63,24 @@ def depolarise(light):
 
 
 @kernel
+def keep_rows(light, kept):
+    """Keep what each meter sees, for a path that starts again unpolarised (`take_rows`)."""
+    if light is not None:
+        for i in range(ROWS):
+            kept[i] = light[i, 0]
+
+
+@kernel
+def take_rows(light, kept):
+    """Set the state to unpolarised light of which each meter sees what was kept."""
+    if light is not None:
+        for i in range(ROWS):
+            light[i, 0] = kept[i]
+        light[AXIS, ALIKE] = 0.0
+        depolarise(light)
+
+
+@kernel
 def refer_to(light, sx, sy, sz, dx, dy, dz):
     """Refer the rows to the axis s, a unit vector across the direction d."""
     ex, ey, ez = light[AXIS, 0], light[AXIS, 1], light[AXIS, 2]

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mpfcad.backlight import Quantity, Stack, read_stack
+from mpfcad.backlight import Quantity, Stack, is_stack_file, read_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import check_manifest
 from mpfcad.job import CadTable, Job, read_job
@@ -61,7 +61,9 @@ def read_case(
     *,
     alone: bool = False,
 ) -> Case:
-    """Return the case of a mesh, an export folder, a job, or a preset (with a plain BEF in it).
+    """Return the case of a mesh, an export folder, a job, or a stack with a plain BEF in it.
+
+    A stack is a preset's name or a stack file.
 
     `stack`: a preset or stack file in place of the export's or job's own; `thickness` [mm] of the
     stack in place of its own; `offset` [mm] of a mesh's left edge from a lamp's axis; `alone`: of
@@ -80,11 +82,11 @@ def read_case(
         raise InputError(f"--offset-mm: {offset:g}: of {source}: expected a mesh, or no offset")
     if path.is_dir():
         return _read_export(path, stack, thickness, alone)
-    if path.is_file():
+    if path.is_file() and not is_stack_file(path):
         return job_case(read_job(path), path, stack, thickness, alone=alone)
-    if path.suffix or path.name != source:
+    if not path.is_file() and (path.suffix or path.name != source):
         raise InputError(
-            f"{source}: no such file: expected a closed mesh in mm, a job, an export or a preset"
+            f"{source}: no such file: expected a closed mesh in mm, a job, an export or a stack"
         )
     own = read_stack(source, thickness=thickness)
     if stack is not None:

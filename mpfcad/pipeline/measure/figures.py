@@ -26,7 +26,9 @@ WHAT = (
     "colour", "psf",
 )  # fmt: skip
 #: Of them what is measured under LEDs, and there alone.
-CELL_WHAT = ("contrast", "angular", "conoscope", "flux", "camera", "colour", "psf")
+CELL_WHAT = (
+    "contrast", "angular", "conoscope", "flux", "camera", "polarisation", "colour", "psf",
+)  # fmt: skip
 ONLY_CELL = ("psf",)
 #: Of them what is not measured of light in bands.
 UNBANDED = ("flux", "psf")

@@ -79,11 +79,11 @@ def trace_mesh(
         else:
             found = luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
             figures = describe_luminance(found)
-            if backlight.polarised:
-                goal = MEASURE_SETTINGS[effort].polarisation
-                figures["polarisation"] = describe_polarisation(polarisation(lit, run, goal))
             if confidence:
                 figures["confidence"] = _confidence(case, found, seed, run.threads, progress)
+        if backlight.polarised:
+            goal = MEASURE_SETTINGS[effort].polarisation
+            figures["polarisation"] = describe_polarisation(polarisation(lit, run, goal))
         if backlight.bands is not None:
             goal = MEASURE_SETTINGS[effort].colour
             colour = screen_colour(lit, run, goal, directions=False)

@@ -44,7 +44,11 @@ def colour_cell_figure(found: dict[str, Any]) -> "go.Figure":
     )
     x, y = (sorted(set(places[key])) for key in ("x_mm", "y_mm"))
     grid = rounded(away.reshape(len(x), len(y)).T * _THOUSANDTHS, 4)
-    figure = go.Figure(go.Heatmap(x=rounded(x, 4), y=rounded(y, 4), z=grid, colorscale="Viridis"))
+    heat = go.Heatmap(
+        x=rounded(x, 4), y=rounded(y, 4), z=grid, colorscale="Viridis",
+        colorbar={"title": {"text": "Δu′v′ [0.001]"}},
+    )  # fmt: skip
+    figure = go.Figure(heat)
     figure.update_xaxes(title_text="across [mm]", constrain="domain")
     figure.update_yaxes(title_text="along [mm]", scaleanchor="x")
     return styled(figure, 420)

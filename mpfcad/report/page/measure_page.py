@@ -223,6 +223,7 @@ def _panel(record: Record, folder: Path) -> Record:
 
 def _polarisation(record: Record, folder: Path) -> Record:
     found = record["polarisation"]
+    bands = found.get("by_band", {"wavelength_nm": [], "along_minus_across": []})
     rows = [
         ("normal luminance, all light [cd/m²]", found["luminance_cd_m2"], 5),
         ("degree of polarisation", found["degree_of_polarisation"], 3),
@@ -232,6 +233,8 @@ def _polarisation(record: Record, folder: Path) -> Record:
         *((f"luminance behind an ideal polariser at {angle:g}° to the grooves [cd/m²]", one, 5)
           for angle, one in zip(found["polariser_angle_deg"], found["behind_polariser_cd_m2"],
                                 strict=True)),
+        *((f"Q/I of the power at {band:g} nm", one, 3)
+          for band, one in zip(*bands.values(), strict=True) if one is not None),
     ]  # fmt: skip
     return {"rows": _rows(rows), "paths": found["paths"]}
 
