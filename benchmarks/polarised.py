@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from harness import BARE, CONCAVE, film_file
+from harness import BARE, CONCAVE, extruded, film_file, row, write_facets
 from tracer.films import GROOVES
 from tracer.mitsuba_polarised import film, mitsuba, plates, stokes
 
@@ -42,9 +42,14 @@ def cases(folder):
             bodies = plates(mi, 1.5, count)
             yield f"{count} plates", [Slab(1.5, 1.0)] * count, bodies, 2000.0 * count, tilt
     for name, groove in (("BEF", BARE), ("concave", CONCAVE)):
-        path = film_file(folder / f"{name}.stl", [groove] * GROOVES, length=20.0)
+        own_file = film_file(folder / f"{name}.stl", [groove] * 8)
+        # Light of one direction that meets flat facets shows how an STL's single numbers turn them
+        # (1.8 % along (0.5, -0.6) at x = 32 mm): so x = 0 is in the middle. And it shows what is
+        # guided along the grooves out of a film's ends (2.3 % of 4 × 4 mm): so it is long.
+        x, z = row([groove] * GROOVES, 0.15)
+        path = write_facets(folder / f"{name}-wide.stl", extruded(x - x[-1] / 2, z, 200.0))
         for tilt in TILTS["film"]:
-            elements = [Film(read_film_mesh(path), 1.5)]
+            elements = [Film(read_film_mesh(own_file), 1.5)]
             yield name, elements, film(mi, path, 1.5), 180.0, tilt
 
 

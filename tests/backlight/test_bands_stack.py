@@ -100,6 +100,29 @@ def test_a_converter_has_the_depth_of_its_absorption(tmp_path):
     assert (found[0].index, found[0].quantum_yield) == (1.5, 0.9)
     assert found[1].depth == pytest.approx(0.5)
     assert list(read_stack(path).bands.emission) == ["qd", "red"]
+    # A sheet: light within it is not followed.
+    assert [e.thickness for e in found] == [0.0, 0.0]
+
+
+def test_a_converter_that_says_how_it_scatters_is_a_film(tmp_path):
+    from mpfcad.optics.element import Converter
+
+    own = f'{{ kind = "converter", name = "NAME", yield = 0.8, {EMISSION}, thickness_um = 100, '
+    path = written(tmp_path, layers=", ".join([
+        f"{own.replace('NAME', 'a')} absorption_per_mm = 5, scattering_per_mm = 20, "
+        "asymmetry = 0.7 }",
+        f"{own.replace('NAME', 'b')} absorptance = 0.3, scattering_per_mm = 0, index = 1.6 }}",
+    ]))  # fmt: skip
+    path.write_text(path.read_text().replace(', "film"]', "]").replace(
+        "thesis-32in-mpf", "led-tv-20mm"))  # fmt: skip
+    stack = read_stack(path)
+    a, b = (e for e in lower_stack(stack, None) if isinstance(e, Converter))
+    assert (a.thickness, a.scattering, a.asymmetry) == (0.1, 20.0, 0.7)
+    assert a.depth == pytest.approx(0.5)
+    assert (b.thickness, b.scattering, b.index) == (0.1, 0.0, 1.6)
+    assert b.depth == pytest.approx(-np.log(0.7))
+    said = {one["name"]: one["value"] for one in stack.inputs()}
+    assert said["a.scattering_per_mm"] == 20
 
 
 @pytest.mark.parametrize(
@@ -113,7 +136,6 @@ def test_a_converter_has_the_depth_of_its_absorption(tmp_path):
         (f'[light]\nbands = "blue"\n{SPECTRUM}', "light.bands: 'blue': expected 3 … 31 rising"),
         ("[light]\nbands = 8\n", "light.spectrum: missing: expected with bands"),
         (f"[light]\n{SPECTRUM}", "light.bands: missing: expected with spectrum"),
-        (f"{LIGHT}polarised = true\n", r"light.bands: light.polarised = true: expected one"),
         (f'{LIGHT}dispersion = "no"\n', "light.dispersion: 'no': expected traced or neglected"),
         ('[light]\ndispersion = "traced"\n', "light.dispersion: needs bands and spectrum"),
         (f"{LIGHT}colour = 1\n", "expected a table with polarised, bands"),
@@ -142,6 +164,16 @@ def test_wrong_light_is_refused(tmp_path, light, message):
          r"qd: no absorption: expected absorptance, or absorption_per_mm with thickness_um"),
         (f'kind = "converter", name = "qd", absorption_per_mm = 1, yield = 0.9, {EMISSION}',
          r"qd: absorption_per_mm: expected absorptance, or"),
+        ('kind = "converter", name = "qd", absorptance = 0.3, thickness_um = 9, yield = 1, '
+         f"{EMISSION}",
+         r"qd: absorptance, thickness_um: expected absorptance, or"),
+        ('kind = "converter", name = "qd", absorptance = 0.3, scattering_per_mm = 1, yield = 1, '
+         f"{EMISSION}", r"qd: absorptance: expected absorptance with thickness_um, or"),
+        ('kind = "converter", name = "qd", absorptance = 0.3, asymmetry = 0.1, yield = 1, '
+         f"{EMISSION}",
+         r"qd: scattering_per_mm: missing: expected with asymmetry"),
+        ('kind = "converter", name = "qd", absorptance = 0.3, thickness_um = 9, '
+         f"scattering_per_mm = -1, yield = 1, {EMISSION}", r"scattering_per_mm: -1: expected a"),
         ('kind = "converter", name = "qd", absorptance = 0.3, yield = 0.9',
          r"qd\.emission: None: expected a table with file"),
         ('kind = "converter", name = "qd", absorptance = { table_nm = [[450, 0.3], [700, 0.0]] }, '

@@ -101,9 +101,37 @@ def test_a_depolarisation_without_polarised_light_is_refused(tmp_path):
         read_stack(written(tmp_path, light="", value="sheet_depolarisation = 0.5"))
 
 
-def test_leds_have_no_polarised_light():
-    with pytest.raises(InputError, match=r"light\.polarised: LEDs"):
-        read_stack("led-tv-20mm", overrides={"light": {"polarised": True}})
+def test_leds_have_polarised_light():
+    stack = read_stack("led-tv-20mm", overrides={"light": {"polarised": True}})
+    assert stack.polarised and restore_stack(describe_stack(stack)).polarised
+
+
+BANDS = "bands = [440, 550, 660]\nspectrum = { planckian_k = 6500 }\n"
+
+
+def test_a_retardation_is_a_phase_of_its_own_in_each_band(tmp_path):
+    light = f"[light]\npolarised = true\n{BANDS}"
+    stack = read_stack(written(tmp_path, PLATE, light=light))
+    assert stack.bands.separate == ("plate.retardation_nm",)
+    mesh = film_mesh(tmp_path, [BARE])
+    found = [lower_stack(stack.at_band(i), mesh)[-1].retardation for i in range(3)]
+    assert found == pytest.approx([2 * math.pi * 137.5 / nm for nm in (440, 550, 660)])
+    neglected = read_stack(written(tmp_path, PLATE, light=f'{light}dispersion = "neglected"\n'))
+    assert not neglected.bands.separate and neglected.bands.neglected == ("plate.retardation_nm",)
+    found = [lower_stack(neglected.at_band(i), mesh)[-1].retardation for i in range(3)]
+    assert found == pytest.approx([math.pi / 2] * 3)
+    said = [one["name"] for one in stack.inputs()]
+    assert "light.polarised" in said and "light.bands" in said
+
+
+def test_a_base_delays_each_band_by_a_phase_of_its_own(tmp_path):
+    base = "film_base_index = 1.64\nfilm_base_thickness_um = 50\nfilm_base_retardation_nm = 1000\n"
+    light = f"[light]\npolarised = true\n{BANDS}"
+    stack = read_stack(written(tmp_path, light=light, value=base))
+    mesh = film_mesh(tmp_path, [BARE])
+    found = [max(getattr(e, "delay", 0) for e in lower_stack(stack.at_band(i), mesh))
+             for i in range(3)]  # fmt: skip
+    assert found == pytest.approx([2 * math.pi * 1000 / nm / 0.05 for nm in (440, 550, 660)])
 
 
 def test_it_is_kept_and_restored(tmp_path):

@@ -170,6 +170,27 @@ def test_leds_have_the_luminance_of_their_bands_and_a_colour_over_the_cell(tmp_p
     assert len(backward.position) == 64 and backward.mean.x.value > 0.17
 
 
+def test_colours_over_a_cell_are_those_of_paths_from_the_meter(tmp_path):
+    from mpfcad.measure.colour.screen import _of_parts, _of_points, _over_cell
+
+    path = tmp_path / "led.toml"
+    path.write_text(
+        f'extends = "led-tv-20mm"\nlayers = ["bottom_sheet", {QD}, "top_sheet"]\n'
+        "[light]\nbands = [440, 460, 530, 620]\nspectrum = { peak_nm = 450, fwhm_nm = 20 }\n"
+        "[value]\nled_width_mm = 12\nled_length_mm = 12\n"
+        "reflector_reflectance = { table_nm = [[360, 0.8], [830, 0.95]] }\n"
+    )
+    film = light_film(read_stack(path), None)
+    source, run = _over_cell(film), TraceRun(seed=3)
+    forward = _of_parts(film, source, range(40), run, None) @ film.spectral.colour
+    backward = _of_points(film, source, range(16), run, None) @ film.spectral.colour
+    error = np.hypot(*(one.std(axis=0, ddof=1) / np.sqrt(len(one)) for one in (forward, backward)))
+    away = (forward.mean(axis=0) - backward.mean(axis=0)) / error
+    # 64 parts of X, Y, Z with errors of some 15 degrees of freedom.
+    assert np.abs(away).max() < 5.5 and np.abs(np.mean(away**2) - 1) < 0.6, np.mean(away**2)
+    assert np.abs(away.mean(axis=0)).max() < 3.5 / np.sqrt(64) * 2
+
+
 def test_a_stack_without_bands_has_no_colour(tmp_path):
     with pytest.raises(InputError, match=r"colour: needs light\.bands and light\.spectrum"):
         screen_colour(lit(tmp_path, ""), TraceRun(), 1.0)

@@ -83,6 +83,39 @@ def test_same_bits_at_any_number_of_threads(tmp_path):
     assert one.along.standard_error < 0.02
 
 
+BANDS = "bands = [450, 550, 640]\nspectrum = { planckian_k = 6500 }\n"
+
+
+def test_bands_alike_are_light_of_one_wavelength(tmp_path):
+    plain, banded = (
+        polarisation(lit(tmp_path, "", f"[light]\npolarised = true\n{bands}"),
+                     TraceRun(path_limit=40_000), 1.0)
+        for bands in ("", BANDS)
+    )  # fmt: skip
+    for name in ("along", "diagonal", "circular"):
+        assert getattr(banded, name).value == pytest.approx(getattr(plain, name).value, rel=1e-9)
+    assert banded.luminance.value == pytest.approx(plain.luminance.value, rel=1e-9)
+    assert plain.by_band == () and [nm for nm, _ in banded.by_band] == [450, 550, 640]
+    for _, share in banded.by_band:
+        assert share.value == pytest.approx(plain.along.value, rel=1e-9)
+
+
+def test_light_of_leds_behind_crossed_polarisers(tmp_path):
+    # All light that leaves is polarised along 30°; the sheet on top takes a tenth of that.
+    path = tmp_path / "stack.toml"
+    path.write_text(
+        'extends = "led-tv-20mm"\nlayers = ["clear_plate", "bottom_sheet", '
+        '{ kind = "polariser", name = "lcd", axis_deg = 30, transmission_along = 0.8 }, '
+        '{ kind = "sheet", name = "last", sigma = 0.1, depolarisation = 0.1 }]\n'
+        f"[light]\npolarised = true\n{BANDS}"
+    )
+    found = polarisation(light_film(read_stack(path), None), TraceRun(path_limit=60_000), 1.0)
+    assert found.degree.value == pytest.approx(0.9, abs=0.02)
+    angle = math.degrees(math.atan2(found.diagonal.value, found.along.value)) / 2
+    assert angle == pytest.approx(30, abs=1.5)
+    assert len(found.by_band) == 3
+
+
 def test_unpolarised_light_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"polarisation: needs light\.polarised = true"):
         polarisation(lit(tmp_path, "", light=""), TraceRun(), 1.0)

@@ -113,6 +113,7 @@ def lossless(folder):
     film = Film(film_mesh(folder, [groove(57.0), groove(30.0)]), 1.55, offset=0.013, rotation=0.4)
     return [
         Slab(1.49, 2.0, 0.4, 0.0, 0.8), PlaneLayer(0.3, retardation=1.1), film,
+        Slab(1.64, 0.1, delay=40.0, axis=0.6),
         PlaneLayer(0.9, (0.95, 0.1), (0.05, 0.9)), Sheet(0.2, 1.49, 1.0, depolarisation=0.3),
     ]  # fmt: skip
 
@@ -163,6 +164,7 @@ def test_light_from_the_lamps_and_to_the_meter_agree(tmp_path):
     film = Film(film_mesh(tmp_path, [BARE]), 1.55)
     stack = [cavity, film, PlaneLayer(0.4, (0.9, 0.05), (0.1, 0.9)),
              PlaneLayer(0.9, retardation=1.0), Film(film.mesh, 1.55, rotation=0.9),
+             Slab(1.64, 0.1, delay=40.0, axis=0.6),
              PlaneLayer(0.2, (0.8, 0.01))]  # fmt: skip
     scene = build_scene(stack, polarised=True)
     forward = trace(scene, Source(LAMPS, [0.0], 0.0), 60, seed=3)

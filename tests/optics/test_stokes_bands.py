@@ -120,6 +120,7 @@ def leds(mesh, loss, *more):
             Film(mesh, 1.55, absorption=loss, rotation=0.3), DBEF, HALF]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_polarised_light_of_leds_is_the_same_traced_from_the_meter(mesh):
     scene = build_scene(leds(mesh, 0.2, DBEF), polarised=True)
     found, error = forward_mean(scene, 8)
@@ -132,7 +133,9 @@ def test_polarised_light_of_leds_is_the_same_traced_from_the_meter(mesh):
     assert sigma < 0.02 * found
 
 
-@pytest.mark.parametrize("polarised", [False, True])
+@pytest.mark.parametrize(
+    "polarised", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["plain", "polarised"]
+)
 def test_leds_under_a_film_of_dots_are_the_same_both_ways(mesh, polarised):
     variants = []
     for loss, depth in ((0.3, 0.7), (0.1, 0.2), (0.2, 0.0)):

@@ -1,5 +1,6 @@
 """Light that forgets its polarisation at every interface is the plain tracer's."""
 
+from dis import get_instructions
 from types import FunctionType
 
 import numpy as np
@@ -29,9 +30,9 @@ def rebuilt(kernel, swap):
     if kernel not in swap:
         function = kernel.py_func
         names = dict(function.__globals__)
-        for name in function.__code__.co_names:
+        for name in {one.argval for one in get_instructions(function) if "GLOBAL" in one.opname}:
             called = names.get(name)
-            if hasattr(called, "py_func") and called is not _MEET:
+            if hasattr(called, "py_func"):
                 names[name] = rebuilt(called, swap)
         copied = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
         swap[kernel] = njit(error_model="numpy", _nrt=False)(copied)

@@ -96,11 +96,11 @@ class BandTracer(ReferenceTracer):
     def channels(self, x, spot, acceptance, rng: Philox, *, y=0.0, spot_along=0.0):
         """Return what one path adds to each meter's channels, (meters, b · (1 + converters))."""
         bands = len(self.source)
-        score = np.zeros((len(rng.meters), 1 + len(self.kinds), bands))
         x += (rng() - 0.5) * spot
         y += (rng() - 0.5) * (spot_along or self.length)
         start = (x, y, 0.0), self._look((0.0, 0.0), acceptance, disk(rng)), False
         rng.start(start[1])
+        score = np.zeros((len(rng.meters), 1 + len(self.kinds), bands))
         number, weight, head, kind = len(self.elements) - 1, Weights(1.0, np.ones(bands)), None, 0
         drawn = Drawn()
         while True:

@@ -93,6 +93,33 @@ def test_a_measured_file_is_linear_between_its_rows(tmp_path):
     assert [at[nm] for nm in (390, 425, 450, 475, 600, 701)] == [0, 0.5, 1, 0.75, 0.3, 0]
 
 
+def test_rows_nearer_than_a_nanometre_are_averaged(tmp_path):
+    # Lines of a lamp, 0.2 nm wide, between the observer's wavelengths, on a weak ground.
+    nm = np.arange(400, 700.05, 0.1)
+    power = np.full(len(nm), 0.01)
+    for line in (435.85, 546.05, 611.35):
+        power += np.maximum(0, 1 - np.abs(nm - line) / 0.2)
+    rows = "\n".join(f"{a:.2f},{b:.6f}" for a, b in zip(nm, power, strict=True))
+    (tmp_path / "lamp.csv").write_text(f"wavelength_nm,power\n{rows}\n")
+    found = read_spectrum("stack", tmp_path, {"file": "lamp.csv"}).values
+    assert found.sum() == pytest.approx(np.trapezoid(power, nm), rel=1e-9)
+    # A line of area 0.2 is shared by the two wavelengths beside it, or lies whole at one.
+    assert found[wavelengths() == 436] == pytest.approx(0.21, abs=2e-3)
+    assert found[wavelengths() == 546] == pytest.approx(0.21, abs=2e-3)
+    part = found[(wavelengths() == 611) | (wavelengths() == 612)]
+    assert part.sum() == pytest.approx(0.22, abs=2e-3) and part.min() > 0.01
+    # Sampled, they would be missed or doubled.
+    assert np.interp(wavelengths(), nm, power).sum() != pytest.approx(found.sum(), rel=0.05)
+
+
+@pytest.mark.parametrize("peak", [550.0, 550.5])
+def test_a_narrow_peak_has_its_power_wherever_it_lies(peak):
+    # The area of a Gaussian is fwhm √(π / (4 ln 2)).
+    assert gaussian(peak, 1.0).sum() == pytest.approx(np.sqrt(np.pi / (4 * np.log(2))), rel=1e-9)
+    wide = gaussian(peak, 20.0) / np.exp(-4 * np.log(2) * ((wavelengths() - peak) / 20) ** 2)
+    np.testing.assert_allclose(wide[178:203], 1.0, atol=0.005)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

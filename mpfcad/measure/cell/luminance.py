@@ -98,6 +98,13 @@ def luminance_over_cell(
     )  # fmt: skip
 
 
+def can_connect(lit: Lit) -> bool:
+    """Return whether paths from the LEDs can be joined with the meter at the topmost sheet."""
+    from mpfcad.optics.forward import engine
+
+    return engine.can_connect(lit.scene)
+
+
 def refuse_sheetless(lit: Lit) -> None:
     """Raise unless paths from the LEDs can be joined with the meter.
 
@@ -106,9 +113,7 @@ def refuse_sheetless(lit: Lit) -> None:
     InputError
         when the topmost layer is no sheet that scatters.
     """
-    from mpfcad.optics.forward.engine import can_connect
-
-    if not can_connect(lit.scene):
+    if not can_connect(lit):
         raise InputError(
             f"{lit.stack.name}: layers: {lit.stack.layers[-1]}: LEDs are traced to a scattering "
             "sheet on top: expected a sheet with sigma above 0 as the last layer"
@@ -165,7 +170,7 @@ def cell_rounds(
     return tally
 
 
-def _scale(lit: Lit, meter: "CellMeter") -> float:
+def cell_scale(lit: Lit, meter: "CellMeter") -> float:
     """Return what turns a path's mean score into a luminance [cd/m²]: flux over area, in mm²."""
     element: Any = lit.elements[0]
     return float(element.flux / (meter.across * meter.along) * 1e6)
@@ -209,7 +214,7 @@ def _terms(
     covariance = (tally.outer / blocks - np.outer(mean, mean)) / (blocks - 1)
     # A term's mean square is ½ an axis where it is no constant.
     axis = np.where(np.arange(TERMS) > 0, 2.0, 1.0)
-    factor = _scale(lit, meter) / BLOCK * np.outer(axis, axis).ravel()
+    factor = cell_scale(lit, meter) / BLOCK * np.outer(axis, axis).ravel()
     return factor * mean, covariance * np.outer(factor, factor)
 
 
@@ -221,7 +226,7 @@ def cell_map(
     from mpfcad.optics.forward.engine import BLOCK
 
     blocks, bins = tally.blocks, meter.bins
-    factor = _scale(lit, meter) * bins * bins / BLOCK
+    factor = cell_scale(lit, meter) * bins * bins / BLOCK
     mean = tally.score[TERMS * TERMS :] / blocks
     variance = np.maximum(0.0, tally.square / blocks - mean**2) / (blocks - 1)
     return factor * mean.reshape(bins, bins), factor * np.sqrt(variance).reshape(bins, bins)

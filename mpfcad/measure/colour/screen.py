@@ -1,5 +1,6 @@
 """The colour of a screen: over what repeats, and over direction."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.measure.cell.luminance import can_connect, cell_scale
 from mpfcad.measure.colour.chromaticity import (
     Colour,
     colour_of,
@@ -70,7 +72,7 @@ class ColourResult:
     shift
         Δu'v' from the normal at each of `ANGLES`, across and then along
     paths
-        backward paths traced
+        traced: backward, and over a cell of LEDs forward
     """
 
     position: NDArray[np.float64]
@@ -111,22 +113,23 @@ def screen_colour(
     """
     refuse_uncoloured(lit)
     source = _over_cell(lit) if lit.is_cell else _over_pitch(lit)
-    channels = _rounds(lit, source, run, error_goal)
+    forward = lit.is_cell and can_connect(lit)
+    channels = _rounds(lit, source, run, error_goal, forward=forward)
     xyz = channels @ _colour(lit)
     mean = xyz.mean(axis=1)
     across = along = None
     shift: list[Estimate] = []
-    blocks = len(channels) * len(source.position)
+    paths = len(channels) * _size(source, forward)
     if directions:
         seen = _rounds(lit, _over_directions(lit), run, error_goal) @ _colour(lit)
         n = len(ANGLES)
         across, along = (_places(seen[:, part]) for part in (slice(0, n), slice(n, 2 * n)))
         shift = [difference(seen[:, i], seen[:, i - i % n + n // 2]) for i in range(2 * n)]
-        blocks += len(seen) * 2 * n
+        paths += len(seen) * 2 * n * _net()
     return ColourResult(
         np.column_stack([source.position, source.along]), _places(xyz), colour_of(mean),
         colour_mura(xyz, run.seed), _power(lit, channels), across, along, tuple(shift),
-        blocks * _net(),
+        paths,
     )  # fmt: skip
 
 
@@ -193,27 +196,63 @@ def _over_directions(lit: Lit) -> "Source":
     )  # fmt: skip
 
 
-def _rounds(lit: Lit, source: "Source", run: TraceRun, goal: float) -> NDArray[np.float64]:
-    """Return the channels of enough blocks, (b, p, channels), for the points' mean square error."""
-    from mpfcad.optics.spectral.engine import trace_channels
+def _size(source: "Source", forward: bool) -> int:
+    """Return how many paths a block of the meters' has."""
+    if forward:
+        from mpfcad.optics.forward.engine import BLOCK
 
+        return BLOCK
+    return len(source.position) * _net()
+
+
+def _rounds(
+    lit: Lit, source: "Source", run: TraceRun, goal: float, *, forward: bool = False
+) -> NDArray[np.float64]:
+    """Return the channels of enough blocks, (b, p, channels), for the points' mean square error.
+
+    `forward`: those of the parts of a cell, of paths from its LEDs.
+    """
     spectral = lit.spectral
     assert spectral is not None  # refused before
-    points, net = len(source.position), _net()
-    found = np.empty((0, points, len(spectral.colour)))
+    size = _size(source, forward)
+    found = np.empty((0, len(source.position), len(spectral.colour)))
     error = float("nan")
-    while len(found) == 0 or (error > goal and len(found) * points * net < run.path_limit):
-        more = max(_LEAST_BLOCKS, len(found) // 2)
-        done = len(found) * points * net
-        state = TraceState(done, run.path_limit, error, goal, _PITCH)
-        watch = Watch(run.progress, state, points * net)
-        part = trace_channels(
-            spectral, source, more, seed=run.seed, first=len(found), threads=run.threads,
-            after_block=watch.block if run.progress else None,
-        )  # fmt: skip
-        found = np.concatenate([found, part])
+    while len(found) == 0 or (error > goal and len(found) * size < run.path_limit):
+        more = range(len(found), len(found) + max(_LEAST_BLOCKS, len(found) // 2))
+        state = TraceState(len(found) * size, run.path_limit, error, goal, _PITCH)
+        after = Watch(run.progress, state, size).block if run.progress else None
+        trace = _of_parts if forward else _of_points
+        found = np.concatenate([found, trace(lit, source, more, run, after)])
         xyz = found @ spectral.colour
         if not (xyz.mean(axis=0)[:, 1] > 0).all():
             raise InputError(f"{lit.stack.name}: colour: no light reaches a point: expected some")
         error = float(np.sqrt(np.mean(points_of(xyz)[1] ** 2)))
     return found
+
+
+def _of_points(
+    lit: Lit, source: "Source", blocks: range, run: TraceRun, after: Callable[[], None] | None
+) -> NDArray[np.float64]:
+    """Return the channels that meters see, (b, p, channels)."""
+    from mpfcad.optics.spectral.engine import trace_channels
+
+    assert lit.spectral is not None  # refused before
+    return trace_channels(
+        lit.spectral, source, len(blocks), seed=run.seed, first=blocks.start, threads=run.threads,
+        after_block=after,
+    )  # fmt: skip
+
+
+def _of_parts(
+    lit: Lit, source: "Source", blocks: range, run: TraceRun, after: Callable[[], None] | None
+) -> NDArray[np.float64]:
+    """Return the channels of the parts of a cell, (b, p, channels), of paths from its LEDs."""
+    from mpfcad.optics.forward.connection import CellMeter
+    from mpfcad.optics.forward.engine import BLOCK, trace_parts
+
+    assert lit.spectral is not None  # refused before
+    meter = CellMeter(lit.stack.acceptance, *lit.stack.period, PARTS)
+    found = trace_parts(
+        lit.spectral, meter, blocks, seed=run.seed, threads=run.threads, after_block=after
+    )
+    return cell_scale(lit, meter) * PARTS**2 / BLOCK * found

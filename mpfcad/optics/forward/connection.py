@@ -73,6 +73,15 @@ def turned_into(parameter, acceptance, dx, dy, dz, rng):
 
 
 @kernel
+def part_at(meter, x, y):
+    """Return the number of the bin of the cell at a place, rows along x."""
+    u, v = x / meter.across + 0.5, y / meter.along + 0.5
+    u, v = u - math.floor(u), v - math.floor(v)
+    row, column = min(int(u * meter.bins), meter.bins - 1), min(int(v * meter.bins), meter.bins - 1)
+    return row * meter.bins + column
+
+
+@kernel
 def score_at(meter, score, terms, x, y, value):
     """Add a value at a place to the coefficients and the map; terms (2, TERMS) is scratch."""
     u = x / meter.across + 0.5

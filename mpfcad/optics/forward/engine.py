@@ -19,6 +19,7 @@ from mpfcad.optics.engine import pass_queue
 from mpfcad.optics.forward.connection import (
     TERMS,
     CellMeter,
+    part_at,
     score_at,
     score_spread,
     turned_into,
@@ -28,7 +29,7 @@ from mpfcad.optics.scene import Scene
 from mpfcad.optics.sheet import ACROSS, SHARE, SIGMA, WIDE
 from mpfcad.optics.spectral.again import go_on_in_bands
 from mpfcad.optics.spectral.engine import Spectral
-from mpfcad.optics.spectral.hue import Hue, begin_hue, look_at, seen
+from mpfcad.optics.spectral.hue import Hue, begin_hue, count_at, look_at, seen
 from mpfcad.optics.stokes.bands import ONLY, pass_on, resume
 from mpfcad.optics.stokes.state import LIGHT_SHAPE, start_light
 from mpfcad.optics.wave import SLOTS, Wave, enqueue, take_longest
@@ -111,7 +112,9 @@ def arrive(scene, meter, slot, wave, hue, terms, score):
     value = wave.weight[slot] * turned_into(
         scene.parameter[last], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
     )
+    count_at(hue, part_at(meter, p[0], p[1]))
     value = seen(hue, value)
+    count_at(hue, -1)
     if meter.reach > 0:
         score_spread(meter, score, wave.path[slot], p[0], p[1], value)
     else:
@@ -157,7 +160,7 @@ def trace_polarised_cell(scene, meter, seed, first, count, wave, terms, light, s
     """Follow paths of polarised light as `trace_cell` does, one after the other."""
     last = len(scene.kind) - 1
     if hue is not None:
-        hue.at[0], hue.at[1] = 0, 0
+        hue.at[0], hue.at[1] = 0, -1
     for i in range(count):
         begin(scene, seed, first + uint64(i), ONLY, wave, hue)
         p = wave.place[ONLY]
@@ -189,16 +192,56 @@ def trace_one(
     """Return the sums of one block: what the meter scores, and the flow."""
     score = np.zeros(meter.size(len(scene.led)))
     flow = np.zeros(len(FLOWS) + len(scene.kind))
-    for part, share, hue in _scenes(scene, spectral):
-        own = np.zeros_like(score)
-        paths = part, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK
-        scratch = Wave.empty(len(scene.kind)), np.zeros((2, TERMS))
-        if part.polarised:
-            trace_polarised_cell(*paths, *scratch, np.zeros(LIGHT_SHAPE), own, flow, hue)
-        else:
-            trace_cell(*paths, *scratch, own, flow, hue)
-        score += share * own
+    for part, share, hue in _scenes(scene, spectral, 0):
+        score += share * _traced(part, meter, seed, block, flow, hue)
     return score, flow
+
+
+def _traced(
+    scene: Scene, meter: CellMeter, seed: int, block: int, flow: NDArray[np.float64],
+    hue: Hue | None,
+) -> NDArray[np.float64]:  # fmt: skip
+    """Return what the meter scores of one block; `flow` and `hue` get theirs."""
+    score = np.zeros(meter.size(len(scene.led)))
+    paths = scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK
+    scratch = Wave.empty(len(scene.kind)), np.zeros((2, TERMS))
+    if scene.polarised:
+        trace_polarised_cell(*paths, *scratch, np.zeros(LIGHT_SHAPE), score, flow, hue)
+    else:
+        trace_cell(*paths, *scratch, score, flow, hue)
+    return score
+
+
+def trace_parts(
+    spectral: Spectral, meter: CellMeter, blocks: range, *, seed: int, threads: int,
+    after_block: Callable[[], None] | None = None,
+) -> NDArray[np.float64]:  # fmt: skip
+    """Return the sum of each channel of each block and bin of the meter, (blocks, bins², channels).
+
+    A path of weight 1 that the meter sees with a luminance of 1 counts 1. The same blocks give the
+    same bits at any number of threads.
+
+    Raises
+    ------
+    TraceError
+        when there is no sheet on top to connect from.
+    """
+    first, bins = spectral.scenes[0], meter.bins * meter.bins
+    refuse_unconnected(first)
+
+    def one(block: int) -> list[NDArray[np.float64]]:
+        found, flow = [], np.zeros(spectral.flows)
+        for scene, _, hue in _scenes(first, spectral, bins):
+            score = _traced(scene, meter, seed, block, flow, hue)
+            if hue is not None:
+                return [hue.score]
+            found.append(score[TERMS * TERMS :])
+        return [np.array(found).T]
+
+    parts: list[NDArray[np.float64]] = add_in_order(
+        one, blocks, list.__add__, [], threads=threads, after=after_block
+    )
+    return np.array(parts)
 
 
 def trace_forward(
@@ -237,8 +280,13 @@ def trace_forward(
     )  # fmt: skip
 
 
-def _scenes(scene: Scene, spectral: Spectral | None) -> list[tuple[Scene, float, Hue | None]]:
-    """Return the scenes to trace, with their share in the luminance, and the state of all bands."""
+def _scenes(
+    scene: Scene, spectral: Spectral | None, points: int
+) -> list[tuple[Scene, float, Hue | None]]:
+    """Return the scenes to trace, with their share in the luminance, and the state of all bands.
+
+    Channels are counted at so many points.
+    """
     if spectral is None:
         return [(scene, 1.0, None)]
     if spectral.tables is None:
@@ -247,4 +295,4 @@ def _scenes(scene: Scene, spectral: Spectral | None) -> list[tuple[Scene, float,
             for part, share in zip(spectral.scenes, spectral.colour[:, 1], strict=True)
         ]
     tables = spectral.tables._replace(forward=np.ones(1, np.int64))
-    return [(spectral.scenes[0], 1.0, Hue.empty(tables, SLOTS, 1))]
+    return [(spectral.scenes[0], 1.0, Hue.empty(tables, SLOTS, points))]

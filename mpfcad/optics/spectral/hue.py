@@ -82,7 +82,7 @@ class Hue(NamedTuple):
     score
         (p, channels) float64, sums of what the paths of each point saw
     at
-        (2,) int64, the slot that is followed, and its point
+        (2,) int64, the slot that is followed, and its point; -1: what it finds is not counted
     """
 
     tables: Tables
@@ -114,9 +114,17 @@ class Hue(NamedTuple):
 
 @kernel
 def look_at(hue, wave, slot):
-    """Follow the path of a slot."""
+    """Follow the path of a slot; of paths from the lamps the meter counts alone (`count_at`)."""
     if hue is not None:
-        hue.at[0], hue.at[1] = slot, wave.path[slot] % len(hue.score)
+        hue.at[0] = slot
+        hue.at[1] = -1 if hue.tables.forward[0] != 0 else wave.path[slot] % len(hue.score)
+
+
+@kernel
+def count_at(hue, point):
+    """Count what is found next at a point; -1: not at all."""
+    if hue is not None:
+        hue.at[1] = point if point < len(hue.score) else -1
 
 
 @kernel
@@ -208,7 +216,8 @@ def seen(hue, found):
             first = bands * (1 + stage)
             for b in range(bands):
                 part = found * hue.tint[slot, b]
-                hue.score[point, first + b] += part
+                if point >= 0:
+                    hue.score[point, first + b] += part
                 luminance += part * tables.luminance[first + b]
         else:
             power = 0.0

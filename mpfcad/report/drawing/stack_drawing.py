@@ -167,7 +167,10 @@ def _own_note(stack: Stack, layer: str) -> str:
     note = f"n = {value('index'):g}"
     if kind == CONVERTER:
         emission = stack.bands.emission[layer].title if stack.bands else "light"
-        return f"emits {emission}, {value('yield') * 100:g} % of the photons it takes"
+        said = f"emits {emission}, {value('yield') * 100:g} % of the photons it takes"
+        if f"{layer}.scattering_per_mm" in stack.quantity:
+            return f"film, {note}, {value('thickness_um'):g} µm, {said}"
+        return said
     if kind == "plate":
         note += f", {value('thickness_mm'):g} mm"
         if value("scattering_per_mm") > 0:
