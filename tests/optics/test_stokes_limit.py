@@ -55,7 +55,7 @@ def test_light_that_forgets_is_unpolarised_path_by_path(tmp_path):
         build_scene(stack, polarised=True), source, np.uint64(1), np.uint64(EYE), np.uint64(0),
         np.zeros(LIGHT_SHAPE), np.zeros(RNG_SIZE, np.uint64), light, flow,
     )  # fmt: skip
-    # Formulas differ in their last bits, and what differs grows along a path from facet to facet. Of
+    # Formulas differ in their last bits, and that grows along a path from facet to facet. Of
     # plain paths whose start is moved by 64 last bits 0.1 % change by more than 1e-9, of those that
     # forget 0.06 %; of neither more than 0.01 % go another way.
     same = np.isclose(light[:, 0], plain, rtol=1e-9, atol=1e-6)
