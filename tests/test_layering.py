@@ -19,7 +19,7 @@ LAYER = {
     "gate": 0.5,
     "compiling": 0,
     "boundary": 1,
-    "store": 2,
+    "store": 1.5,
     "film": 2,
     "spectrum": 2,
     "mask": 3,

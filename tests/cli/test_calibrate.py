@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mpfcad.cli import run_app
-from mpfcad.film import Groove, read_process
+from mpfcad.film import Groove, StylusTip, read_process
+from mpfcad.film.stylus.dilated import DilatedGroove
 
 BEF = Groove(0.050, 0.025)
 TRUTH = {"a.csv": (0.05, 66.0), "b.csv": (0.10, 55.0), "c.csv": (0.20, 45.0)}
@@ -19,7 +20,9 @@ def traces(tmp_path, monkeypatch):
     rng = np.random.default_rng(7)
     for name, (_, curvature) in TRUTH.items():
         local = (x + 0.004) % BEF.pitch - BEF.half_width
-        z = BEF.height(local, curvature) - 0.02 * x + rng.normal(0, 5e-5, x.size)
+        # By a tip that is the median of those that fit where none is told.
+        traced = DilatedGroove(BEF, "filled", StylusTip(0.7e-3)).height(local, curvature)
+        z = traced - 0.02 * x + rng.normal(0, 5e-5, x.size)
         table = np.stack([x, z], axis=1) * 1000
         np.savetxt(name, table, "%.6f", ",", header="x_um,z_um", comments="")
     return tmp_path

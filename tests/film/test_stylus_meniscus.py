@@ -18,16 +18,24 @@ STEP = BEF.pitch / COUNT
 
 def surface(meniscus):
     """Return the groove's surface at `FINE`, bare above the contact."""
-    contact = float(meniscus.contact[0])
-    resin = meniscus.height(np.clip(FINE, -contact, contact))
+    contact, level, slope = (
+        float(part[0]) for part in (meniscus.contact, meniscus.level, meniscus.slope)
+    )
+    x, k, q = np.clip(FINE, -contact, contact), meniscus.roundness, meniscus.flatness
+    size = contact * np.hypot(1, slope) / slope
+    resin = level - k * (np.sqrt(size**2 - x**2) - np.sqrt(size**2 - contact**2))
+    resin -= slope * contact * (1 - k - q) / 2 * (1 - (x / contact) ** 2)
+    resin -= slope * contact * q / 4 * (1 - (x / contact) ** 4)
     return np.where(np.abs(FINE) <= contact, resin, BEF.wall_slope * np.abs(FINE))
 
 
-@pytest.mark.parametrize("roundness", [-0.3, 0.0, 0.5, 1.0])
+@pytest.mark.parametrize(
+    ("roundness", "flatness"), [(-0.3, 0.0), (0.0, 0.0), (0.5, 0.2), (1.0, 0.0), (0.0, 0.9)]
+)
 @pytest.mark.parametrize("above", [-0.6, 0.0, 0.4])
 @pytest.mark.parametrize("u", [0.3, 1.0, 1.3, 1.7])
-def test_every_meniscus_holds_its_fill_and_is_dilated_in_closed_form(u, above, roundness):
-    meniscus = Meniscus.holding(BEF, np.array([u]), above, roundness)
+def test_every_meniscus_holds_its_fill_and_is_dilated_in_closed_form(u, above, roundness, flatness):
+    meniscus = Meniscus.holding(BEF, np.array([u]), above, roundness, flatness)
     z = surface(meniscus)
     fill = float(np.mean(z - np.abs(FINE))) / BEF.room
     assert fill == pytest.approx(float(BEF.fill_fraction(u * BEF.curvature_covered)), abs=2e-6)
@@ -81,3 +89,23 @@ def test_arcs_below_the_tips_are_read_with_their_fill(curvature, angle):
     assert shape.below_tips.low - 1e-4 <= below <= shape.below_tips.high + 1e-4
     assert shape.wall_angle.low - 1 * deg <= angle * deg <= shape.wall_angle.high + 1 * deg
     assert "a parabola through the tips does not fit" in shape.words
+
+
+@pytest.mark.parametrize(("sag", "power"), [(8e-3, 4), (10e-3, 3), (15e-3, 4)])
+def test_a_meniscus_that_dried_flat_is_read_with_its_fill(sag, power):
+    """A fourth power read a fill of 0.456 [0.431, 0.477] for 0.490."""
+    fine = 5e-5
+    x = np.arange(-0.05, 0.46, fine)
+    local = np.abs((x + 0.013) % BEF.pitch - BEF.half_width)
+    z = np.maximum(local, BEF.depth - sag * (1 - (local / BEF.half_width) ** power))
+    whole = slice(1000, 1000 + round(8 * BEF.pitch / fine))
+    fill = float(np.mean((z - local)[whole])) / BEF.room
+    z = dilate(z, fine, StylusTip(2e-3), periodic=False)
+    kept = slice(1000, -1000, 10)
+    noise = np.random.default_rng(8).normal(0, 3e-5, len(x[kept]))
+    found = fit_stylus_trace(StylusTrace(x[kept], z[kept] + noise, "t.csv", StylusTip(2e-3)), BEF)
+    half = (found.fill_fraction.high - found.fill_fraction.low) / 4
+    assert found.fill_fraction.low - half <= fill <= found.fill_fraction.high + half
+    assert found.fill_fraction.high - found.fill_fraction.low < 0.03
+    if power == 4:
+        assert found.meniscus.flatness.value == pytest.approx(1.0, abs=0.1)

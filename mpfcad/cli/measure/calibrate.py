@@ -69,9 +69,11 @@ def command(
         ),
     ] = None,
     tip_radius_um: Annotated[
-        float | None,
+        str | None,
         typer.Option(
-            "--tip-radius-um", metavar="R", help="Radius of the stylus's tip [default: the file's]."
+            "--tip-radius-um",
+            metavar="R[±D]",
+            help="Radius of the stylus's tip, and how far off it may be [default: the file's].",
         ),
     ] = None,
     tip_angle_deg: Annotated[
@@ -162,7 +164,7 @@ def command(
 def _option(
     unit: str | None,
     columns: str | None,
-    tip_radius_um: float | None,
+    tip_radius_um: str | None,
     tip_angle_deg: float | None,
     correct: bool,
     upright: bool,
@@ -170,18 +172,18 @@ def _option(
     """Return what the user states over what the files say."""
     from mpfcad.errors import InputError
     from mpfcad.film import ReadingOption, StylusTip, parse_columns, parse_units
-    from mpfcad.units import deg, um
+    from mpfcad.film.stylus.tip import parse_radius
+    from mpfcad.units import deg
 
     tip = None
     if tip_angle_deg is not None and tip_radius_um is None:
         raise InputError("--tip-angle-deg: without --tip-radius-um: expected both")
     if tip_radius_um is not None:
-        if not 0 <= tip_radius_um <= 100:
-            raise InputError(f"--tip-radius-um: {tip_radius_um:g}: expected 0 … 100")
+        tip_radius, off = parse_radius(tip_radius_um)
         angle = 60.0 if tip_angle_deg is None else tip_angle_deg
         if not 10 <= angle <= 150:
             raise InputError(f"--tip-angle-deg: {angle:g}: expected 10 … 150")
-        tip = StylusTip(tip_radius_um * um, angle * deg)
+        tip = StylusTip(tip_radius, angle * deg, off)
     return ReadingOption(
         parse_units(unit) if unit else None, parse_columns(columns) if columns else None,
         correct, tip, upright,
@@ -286,6 +288,7 @@ def _meniscus(fit: "StylusFit") -> dict[str, Any] | None:
         "below_tips_um": _entry([value / um for value in below]),
         "wall_angle_deg": _entry([value / deg for value in angle]),
         "roundness": _entry(_bounds(shape.roundness)),
+        "flatness": _entry(_bounds(shape.flatness)),
         "parabola_through_tips": shape.through_tips,
         "words": shape.words,
     }

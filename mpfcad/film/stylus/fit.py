@@ -10,7 +10,7 @@ so, or the instrument's scale is. The interval of C holds both (Imbens and Mansk
 intervals for partially identified parameters", Econometrica 72, 1845, 2004).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,20 +30,17 @@ from mpfcad.film.stylus.bound.interval import (
     slope_hidden,
 )
 from mpfcad.film.stylus.bound.spread import Spread, spread_of
-from mpfcad.film.stylus.misfit import check_shape
-from mpfcad.film.stylus.model import MOST_OFF, PITCH, TraceModel
+from mpfcad.film.stylus.misfit import check_shape, odd_grooves
+from mpfcad.film.stylus.model import PITCH, TraceModel
 from mpfcad.film.stylus.shape import MeniscusShape, meniscus_shape
 from mpfcad.film.stylus.solve import Fitted, fit_model
-from mpfcad.film.stylus.tip import USUAL_ANGLE, USUAL_ANGLES, USUAL_RADII, StylusTip
+from mpfcad.film.stylus.tip import StylusTip
+from mpfcad.film.stylus.tips import fits_of_tips
 from mpfcad.film.stylus.trace import StylusTrace
-from mpfcad.units import deg, um
+from mpfcad.units import um
 
 #: Departures of pitch and slope, as shares: named from here, and refused from there.
 NAMED, REFUSED = 0.01, 0.08
-#: A tip whose fit leaves this much more variance than the best one did not trace the film.
-WORSE = 1.25
-#: The radius that a stated tip is compared with, as a share of its own.
-SHARPER = 0.75
 #: Prism widths that are fitted at most.
 MOST_WIDTHS = 40
 
@@ -150,9 +147,10 @@ def _of_both_ways(trace: StylusTrace, up: StylusFit, down: StylusFit) -> StylusF
             f"C = {fit.curvature.value:.4g} [{fit.curvature.low:.4g}, {fit.curvature.high:.4g}] /mm"
             for fit in (up, down)
         )
+        may = "" if trace.tip else "--tip-radius-um, which may tell, or "
         raise InputError(
             f"{trace.name}: z_um: tips up, {one}, and upside down, {other}, fit alike: expected "
-            "--tip-radius-um, which may tell, or --upright once the sign of z is right"
+            f"{may}--upright once the sign of z is right"
         )
     note = "upside down the trace would fit as well: the interval holds both readings"
     return replace(
@@ -172,16 +170,25 @@ def _fit_upright(
     used = trace.middle(widths * groove.pitch)
     middle = float(np.mean(used.position))
 
-    def fitted(tip: StylusTip | None, x_part: float = 1.0, z_part: float = 1.0) -> Fitted:
-        x, z = (used.position - middle) / x_part, used.height / z_part
-        return fit_model(TraceModel.of(x, z, groove, profile, tip, widths))
+    def fitting(part: StylusTrace) -> Callable[..., Fitted]:
+        def fitted(tip: StylusTip | None, x_part: float = 1.0, z_part: float = 1.0) -> Fitted:
+            x, z = (part.position - middle) / x_part, part.height / z_part
+            return fit_model(TraceModel.of(x, z, groove, profile, tip, widths))
 
-    fits, notes, cones = _fits_of_tips(trace, fitted)
-    best = fits[0]
+        return fitted
+
+    fitted = fitting(used)
+    tips = fits_of_tips(trace, fitted)
+    odd = odd_grooves(used, tips.fits[0], lambda part: fitting(part)(tips.fits[0].model.tip))
+    if odd is not None:
+        fitted = fitting(odd.rest)
+        tips = fits_of_tips(trace, fitted)
+    fits, best = tips.fits, tips.fits[0]
+    notes = [*tips.notes, *([odd.words] if odd else [])]
     said = check_shape(trace, best, groove)
     known = [(fit, spread_of(fit)) for fit in fits]
     scaled = [on_stated_scale(*part, groove, fitted) for part in known]
-    hidden = [hidden_slope(*part, cones, told=not notes) for part in known]
+    hidden = [hidden_slope(*part, tips.cones, told=not tips.notes) for part in known]
     curvature = joined([
         curvature_interval(*part, other, groove, correct=correct)
         for part, other in zip(known, scaled, strict=True)
@@ -227,64 +234,6 @@ def _fit_upright(
         notes=tuple(notes),
         heights_off=heights_off,
     )
-
-
-def _fits_of_tips(
-    trace: StylusTrace, fitted: Callable[[StylusTip | None], Fitted]
-) -> tuple[list[Fitted], list[str], tuple[float, ...]]:
-    """Return the fits of all tips that may have traced the film, the likeliest first.
-
-    With them why there are several (none where the tip is known), and the cones [rad] it may have.
-    """
-    sharp = fitted(None)
-    why = "tip not stated"
-    if trace.tip is not None:
-        if trace.tip.radius == 0:
-            return [sharp], [], ()
-        tip, *other = trace.tip.told(sharp.model.groove.wall_slope * (1 + MOST_OFF))
-        told = fitted(tip)
-        for usual in map(fitted, other):
-            seen = usual.misfit**2
-            if WORSE * seen < told.misfit**2 and seen <= WORSE * sharp.misfit**2:
-                words = (
-                    f"the walls are steeper than the tip's cone of {tip.angle / deg:g}° can draw: "
-                    "the heights' scale is off, or its angle is another"
-                )
-                return [usual], [words], (USUAL_ANGLE,)
-        if told.misfit**2 <= WORSE * sharp.misfit**2:
-            return [told], [], (trace.tip.angle,)
-        # A radius is known to a quarter: the trace must be sharper than that, too.
-        if (
-            fitted(StylusTip(SHARPER * trace.tip.radius, trace.tip.angle)).misfit
-            > 0.98 * told.misfit
-        ):
-            return [told], [], (trace.tip.angle,)
-        why = (
-            f"the trace is sharper than its tip of {trace.tip.radius / um:g} µm can draw, so the "
-            "tip is taken as unknown"
-        )
-    fits = [sharp]
-    for radius in USUAL_RADII:
-        fits.append(fitted(StylusTip(radius)))
-        # Once a tip is too large, every larger one is.
-        if fits[-1].misfit > 2 * min(fit.misfit for fit in fits):
-            break
-    least = min(fit.misfit for fit in fits)
-    fits = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
-    # Where the sharp one fits as well as any, it stands for them.
-    fits.sort(key=lambda fit: fit.misfit if fit is not sharp else 0.95 * fit.misfit)
-    return fits, [f"{why}; {_tip_words([fit.model.tip for fit in fits])}"], USUAL_ANGLES
-
-
-def _tip_words(tips: Sequence[StylusTip | None]) -> str:
-    """Return which of the usual tips fit a trace, and what the interval makes of it."""
-    radii = sorted(tip.radius / um for tip in tips if tip)
-    names = ["a sharp tip"] * (None in tips)
-    if radii:
-        names.append(f"a radius of {' or '.join(f'{radius:g}' for radius in radii)} µm")
-    if len(tips) == 1:
-        return f"of the usual ones only {names[0]} fits"
-    return f"{' and '.join(names)} fit: the interval holds all of them"
 
 
 def _scale_notes(

@@ -1,20 +1,30 @@
-"""Whether a trace shows grooves at all: what the fit leaves of their mean shape."""
+"""Whether a trace shows grooves at all, and alike: what the fit leaves of their shapes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
-from mpfcad.film.stylus.model import PITCH
+from mpfcad.film.stylus.correlation import correlation_sum
+from mpfcad.film.stylus.model import FILL, OWN_FILL
 from mpfcad.film.stylus.residual import SAID, shape_misfit
-from mpfcad.film.stylus.solve import Fitted
+from mpfcad.film.stylus.solve import Fitted, solve
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.film.stylus.upright import lie_of
 from mpfcad.units import um
 
 #: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
 UNEXPLAINED = 0.5
-#: Grooves whose C differ by more than this share of their mean, standard deviation, are not alike.
-_UNLIKE = 0.35
+#: Standard deviations of the grooves' C, as shares of their mean, that are said, and refused.
+_DIFFER, _UNLIKE = 0.08, 0.2
+#: Grooves that differ by chance alone have a sum of squares as this share of χ².
+_CHANCE = 0.999
+#: A groove is looked at that leaves more [mm] and so many times what a good one does; it is odd
+#: where without it, and at most this share of them, so much less is left of all.
+_LEAVES, _TIMES, _ODD, _LESS = 0.1 * um, 2.0, 1 / 3, 0.5
 #: Shares of the relief by which the grooves' mean shape may differ from the model before it is
 #: asked whether upside down it fits as well, and before it is refused in any case. A meniscus of a
 #: circle's shape differs by up to 5 %, and far more upside down; a sine by 2 … 26 %, either way.
@@ -36,7 +46,7 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
             f"depth {groove.depth / um:g} µm"
         )
-    _refuse_unlike(trace, fit)
+    said = _differing(trace, fit)
     off = shape_misfit(fit)
     options = (groove, fit.model.profile, trace.tip)
     if off > _REFUSED * relief or (
@@ -48,22 +58,134 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"across grooves of pitch {groove.pitch / um:g} µm and depth {groove.depth / um:g} µm"
         )
     if off > SAID * relief:
-        return [
+        said.append(
             f"the grooves' mean shape is {off / um:.2g} µm rms off walls and parabola, "
             f"{off / relief:.1%} of the relief, more than noise: are these such grooves?"
-        ]
-    return []
-
-
-def _refuse_unlike(trace: StylusTrace, fit: Fitted) -> None:
-    """Refuse grooves of which some are, and others are not; noise may make a flat groove's C."""
-    each = fit.curvature_of_each
-    if len(each) < 4:
-        return
-    mean, seen = float(np.mean(each)), fit.value[PITCH] ** 2 / 8 / fit.noise
-    spread = float(np.std(each)) - 3 / seen
-    if spread > _UNLIKE * mean:
-        raise InputError(
-            f"{trace.name}: z_um: the grooves' C are {each.min():.3g} … {each.max():.3g} /mm: "
-            "expected grooves that are alike, of one coupon"
         )
+    return said
+
+
+def _differing(trace: StylusTrace, fit: Fitted) -> list[str]:
+    """Return what is to be said of grooves of different fill.
+
+    Raises
+    ------
+    InputError
+        where they differ so much that their mean is that of none.
+    """
+    each = fit.curvature_of_each
+    if fit.model.grooves < OWN_FILL:
+        return []
+    mean = float(np.mean(each))
+    share = float(np.std(each)) / max(mean, 1e-9)
+    if share < _DIFFER or not _differ(fit):
+        return []
+    far = int(np.argmax(np.abs(each - mean)))
+    words = (
+        f"the grooves' C are {each.min():.3g} … {each.max():.3g} /mm, ± {share:.0%} from groove to "
+        f"groove; groove {np.flatnonzero(fit.whole)[far] + 1} is farthest from the mean"
+    )
+    if share > _UNLIKE:
+        raise InputError(f"{trace.name}: z_um: {words}: expected grooves alike, of one coupon")
+    return [words]
+
+
+def _differ(fit: Fitted) -> bool:
+    """Return whether grooves of one fill fit worse than noise allows."""
+    from scipy.stats import chi2
+
+    alike = replace(fit.model, grooves=1)
+    start = np.append(fit.value[:FILL], np.mean(fit.fills))
+    found = solve(alike, start, fit.noise, close=1e-5)
+    left = fit.model.residual(fit.value)
+    rise = np.sum(alike.residual(found) ** 2) - np.sum(left**2)
+    return bool(rise > chi2.ppf(_CHANCE, len(fit.fills)) * fit.noise**2 * correlation_sum(left))
+
+
+@dataclass(frozen=True, eq=False)
+class OddGrooves:
+    """The trace without grooves that are none of the others' kind, and what is said of them."""
+
+    rest: StylusTrace
+    words: str
+
+
+def odd_grooves(
+    used: StylusTrace, fit: Fitted, refit: Callable[[StylusTrace], Fitted]
+) -> OddGrooves | None:
+    """Return a trace without the grooves that leave far more than the others; None: all alike.
+
+    A prism that is missing or cut, or dirt, bends the fit of all grooves. The grooves that leave
+    most are left out one after the other, until the rest fits.
+    """
+    # Beside those whole there is a part of one at each end.
+    count = fit.model.grooves
+    if count < OWN_FILL:
+        return None
+    left, number = _left(fit), fit.every.number(fit.value)
+    if not _stands_out(_each(left, number, count)):
+        return None
+
+    def without(out: NDArray[np.bool_]) -> tuple[StylusTrace, NDArray[np.float64]]:
+        kept = ~out[number]
+        rest = replace(used, position=used.position[kept], height=used.height[kept])
+        return rest, _left(refit(rest))
+
+    out = _worst(left, number, count, without)
+    pairs = [np.isin(np.arange(count), (k, k + 1)) for k in range(count - 1)]
+    if out is None:
+        # A missing prism bends the fit so much that other grooves leave more than its own two.
+        out = min(pairs, key=lambda pair: float(np.mean(without(pair)[1])))
+    rest, still = without(out)
+    gone = out[number]
+    if float(np.mean(still)) >= _LESS * float(np.mean(left)):
+        return None
+    return OddGrooves(rest, _odd_words(out, used.position[gone], left[gone], float(np.mean(still))))
+
+
+def _worst(
+    left: NDArray[np.float64],
+    number: NDArray[np.int64],
+    count: int,
+    without: Callable[[NDArray[np.bool_]], tuple[StylusTrace, NDArray[np.float64]]],
+) -> NDArray[np.bool_] | None:
+    """Return the grooves that leave most, one after the other, until the rest fits; or None."""
+    each, most = _each(left, number, count), float(np.mean(left))
+    out, found = np.zeros(count, bool), None
+    for _ in range(max(int(_ODD * count), 1)):
+        if not _stands_out(each[~out]):
+            break
+        out[int(np.argmax(np.where(out, -1.0, each)))] = True
+        still = without(out)[1]
+        if float(np.mean(still)) < _LESS * most:
+            most, found = float(np.mean(still)), out.copy()
+        each = np.where(out, each, _each(still, number[~out[number]], count))
+    return found
+
+
+def _stands_out(each: NDArray[np.float64]) -> bool:
+    seen = each[each > 0]
+    return bool(each.max() > max(_LEAVES, _TIMES * float(np.quantile(seen, 0.25))))
+
+
+def _odd_words(
+    out: NDArray[np.bool_], x: NDArray[np.float64], left: NDArray[np.float64], others: float
+) -> str:
+    """Return which grooves were left out, where, and by how much they differ."""
+    names = [str(k + 1) for k in np.flatnonzero(out)]
+    return (
+        f"groove{'s' if len(names) > 1 else ''} {' and '.join(names)} of {len(out)} (x "
+        f"{x.min() / um:.4g} … {x.max() / um:.4g} µm) left out: {np.mean(left) / um:.2g} µm off on "
+        f"average, the others {others / um:.2g}: a prism is missing or cut there, or there is dirt"
+    )
+
+
+def _left(fit: Fitted) -> NDArray[np.float64]:
+    """Return what a fit leaves of all heights, spikes too, (n,) [mm]."""
+    return np.abs(fit.every.residual(fit.value))
+
+
+def _each(left: NDArray[np.float64], number: NDArray[np.int64], count: int) -> NDArray[np.float64]:
+    """Return the mean of each groove, 0 of one that is not there, (count,)."""
+    places = np.maximum(np.bincount(number, minlength=count), 1)
+    return np.bincount(number, left, count) / places

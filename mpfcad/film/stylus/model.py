@@ -20,14 +20,17 @@ from mpfcad.film.stylus.meniscus import Meniscus
 from mpfcad.film.stylus.tip import StylusTip
 from mpfcad.units import nm, um
 
-CENTRE, PITCH, SLOPE, ROUNDING, WETTING, ROUNDNESS, FILL = range(7)
+CENTRE, PITCH, SLOPE, ROUNDING, WETTING, ROUNDNESS, FLATNESS, FILL = range(8)
 #: Prior standard deviations: of pitch and of slope, as shares; of the rounding [mm].
 PITCH_OFF, SLOPE_OFF, ROUND = 0.02, 0.03, 1.0 * um
 #: Of the wetting about that of parabolas through the tips; mean and deviation of the roundness,
 #: which is 0 of parabolas and 1 of circles.
 WETTING_OFF, LIKELY_ROUND, ROUNDNESS_OFF = 0.4, 0.5, 0.5
+#: Of the flatness, 0 of resin at rest: scale of a Student t with one degree of freedom, whose long
+#: tails let resin that dried be as flat as a trace shows it; least and largest.
+FLATNESS_OFF, LEAST_FLAT, MOST_FLAT = 0.15, -0.5, 1.2
 #: How many priors there are.
-PRIORS = 5
+PRIORS = 6
 #: Prism widths from which each groove has its own fill.
 OWN_FILL = 4
 #: Largest departures of pitch and slope, as shares, and largest rounding [mm].
@@ -40,8 +43,8 @@ _STEEPEST = 4.0
 _DIFFERENCES = (
     (slice(CENTRE, PITCH), 2 * nm), (slice(PITCH, SLOPE), 0.01 * nm),
     (slice(SLOPE, ROUNDING), -1e-6), (slice(ROUNDING, WETTING), 1 * nm),
-    (slice(WETTING, ROUNDNESS), -1e-4), (slice(ROUNDNESS, FILL), 1e-3),
-    (slice(FILL, None), 1e-5),
+    (slice(WETTING, ROUNDNESS), -1e-4), (slice(ROUNDNESS, FLATNESS), 1e-3),
+    (slice(FLATNESS, FILL), 1e-4), (slice(FILL, None), 1e-5),
 )  # fmt: skip
 
 
@@ -64,6 +67,8 @@ class TraceModel:
         taken to reach them
     least_fill
         the least u of each groove
+    parabolic
+        whether the menisci are parabolas through the tips
     """
 
     x: NDArray[np.float64]
@@ -76,6 +81,7 @@ class TraceModel:
     held_slope: float | None = None
     wettings: tuple[float, float] = (-1.0, 1.0)
     least_fill: float = 0.0
+    parabolic: bool = False
 
     @classmethod
     def of(
@@ -104,15 +110,21 @@ class TraceModel:
         """The largest u: an empty groove, or as steep as is tried."""
         return 2.0 if self.profile == "filled" else _STEEPEST
 
+    def place(self, value: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Return x from the nearest groove's centre [mm], and which groove that is, (n,) each."""
+        from mpfcad.film.stylus.kernel import place
+
+        local, number = np.empty(len(self.x)), np.empty(len(self.x), np.int64)
+        place(self.x, float(value[CENTRE]), float(value[PITCH]), local, number)
+        return local, np.clip(number - number.min(), 0, self.grooves - 1)
+
     def local(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return x from the nearest groove's centre, (n,) [mm]."""
-        pitch = value[PITCH]
-        return (self.x - value[CENTRE] + pitch / 2) % pitch - pitch / 2
+        return self.place(value)[0]
 
     def number(self, value: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the groove of each height, (n,), from 0."""
-        number = np.floor((self.x - value[CENTRE]) / value[PITCH] + 0.5).astype(np.int64)
-        return np.clip(number - number.min(), 0, self.grooves - 1)
+        return self.place(value)[1]
 
     def groove_of(self, value: NDArray[np.float64]) -> Groove:
         """Return the groove of fitted pitch and slope."""
@@ -130,8 +142,8 @@ class TraceModel:
         touch: where the tip touches the resin, if known.
         """
         made = self._dilated(value, self.tip if traced else None)
-        each = self.menisci(value).of(self.number(value))
-        return made.over(self.local(value), each, touch)
+        local, number = self.place(value)
+        return made.over(local, self.menisci(value), number, touch)
 
     def _dilated(self, value: NDArray[np.float64], tip: StylusTip | None) -> DilatedGroove:
         return DilatedGroove(self.groove_of(value), self.profile, tip, float(value[ROUNDING]))
@@ -142,7 +154,11 @@ class TraceModel:
         if self.profile == "ideal":
             return Meniscus.through_tips(groove, value[FILL:] * groove.curvature_covered, "ideal")
         return Meniscus.holding(
-            groove, value[FILL:], float(value[WETTING]), float(value[ROUNDNESS])
+            groove,
+            value[FILL:],
+            float(value[WETTING]),
+            float(value[ROUNDNESS]),
+            float(value[FLATNESS]),
         )
 
     def residual(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -156,15 +172,15 @@ class TraceModel:
         return self.z - self.base @ (self.base.T @ left)
 
     def jacobian(self, value: NDArray[np.float64], *, central: bool = True) -> NDArray[np.float64]:
-        """Return d(surface)/d(value), (n, 6 + grooves), by differences inside the bounds.
+        """Return d(surface)/d(value), (n, FILL + grooves), by differences inside the bounds.
 
         central: to both sides, where that is possible; else to one, in half of the time.
         """
         touch = None
         if self.tip is not None and self.tip.radius > 0:
             # The tip rests where it lies highest: what moves that point does not move the tip.
-            each = self.menisci(value).of(self.number(value))
-            touch = self._dilated(value, self.tip).touch(self.local(value), each)
+            local, number = self.place(value)
+            touch = self._dilated(value, self.tip).touch(local, self.menisci(value), number)
         there = None if central else self.surface(value, touch=touch)
         low, high = self.bounds()
         columns = []
@@ -194,29 +210,36 @@ class TraceModel:
         high = [np.inf, pitch * (1 + MOST_OFF), slope * (1 + MOST_OFF), MOST_ROUND]
         low += [self.wettings[0], LIKELY_ROUND - 2 * ROUNDNESS_OFF]
         high += [self.wettings[1], LIKELY_ROUND + 2 * ROUNDNESS_OFF]
-        if self.profile == "ideal":
-            low[WETTING:] = high[WETTING:] = [0.0, LIKELY_ROUND]
+        low, high = [*low, LEAST_FLAT], [*high, MOST_FLAT]
+        if self.profile == "ideal" or self.parabolic:
+            low[WETTING:] = high[WETTING:] = [0.0, 0.0, 0.0]
         if self.held_slope is not None:
             low[SLOPE] = high[SLOPE] = self.held_slope
         fills = [self.least_fill] * self.grooves, [self.top] * self.grooves
         return np.array(low + fills[0]), np.array(high + fills[1])
 
     def prior(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how many prior standard deviations all that have priors are off, (5,)."""
+        """Return how many prior standard deviations all that have priors are off, (PRIORS,)."""
+        flat = value[FLATNESS] / FLATNESS_OFF
         return np.array([
             (value[PITCH] / self.groove.pitch - 1) / PITCH_OFF,
             (value[SLOPE] / self.groove.wall_slope - 1) / SLOPE_OFF,
             value[ROUNDING] / ROUND,
             value[WETTING] / WETTING_OFF,
             (value[ROUNDNESS] - LIKELY_ROUND) / ROUNDNESS_OFF,
+            np.sign(flat) * np.sqrt(2 * np.log1p(flat**2)),
         ])  # fmt: skip
 
-    def prior_jacobian(self) -> NDArray[np.float64]:
-        """Return d(prior)/d(value), (5, 6 + grooves)."""
+    def prior_jacobian(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return d(prior)/d(value), (PRIORS, FILL + grooves)."""
         rows = np.zeros((PRIORS, FILL + self.grooves))
         rows[0, PITCH] = 1 / (PITCH_OFF * self.groove.pitch)
         rows[1, SLOPE] = 1 / (SLOPE_OFF * self.groove.wall_slope)
         rows[2, ROUNDING] = 1 / ROUND
         rows[3, WETTING] = 1 / WETTING_OFF
         rows[4, ROUNDNESS] = 1 / ROUNDNESS_OFF
+        flat = abs(value[FLATNESS]) / FLATNESS_OFF
+        # d√(2 ln(1 + t²))/dt, √2 at 0.
+        steep = 2 * flat / (1 + flat**2) / np.sqrt(2 * np.log1p(flat**2)) if flat > 1e-4 else 2**0.5
+        rows[5, FLATNESS] = steep / FLATNESS_OFF
         return rows

@@ -13,8 +13,8 @@ from mpfcad.units import nm, um
 LEAST_NOISE = 0.5 * nm
 #: 95 % of χ² with one degree of freedom.
 RISE = 3.841459
-#: Mean u up to which resin may reach the tips.
-_COVERED = 1.1
+#: Mean u up to which resin may reach the tips, and a wetting that is no more than theirs.
+_COVERED, _WET = 1.1, 1e-3
 #: Curvatures and wettings tried before the fit.
 _GRID, _WETTINGS = 21, (0.3, 0.0, -0.3, -0.6)
 #: Steps of a fit at most.
@@ -27,14 +27,16 @@ _SPIKE, _SPIKE_LEAST, _SPIKE_SHARE = 6.0, 0.1 * um, 0.2
 class Fitted:
     """The values that fit best, the heights they were fitted to, and the noise [mm] assumed.
 
-    `misfit` is the mean absolute residual [mm] of all heights, those left out as spikes too: a tip
-    that is too large leaves its misfit at the prism tips, where it looks like spikes.
+    `every` is the model of all heights, those left out as spikes too, and `misfit` is the mean
+    absolute residual [mm] of them: a tip that is too large leaves its misfit at the prism tips,
+    where it looks like spikes.
     """
 
     model: TraceModel
     value: NDArray[np.float64]
     noise: float
     misfit: float
+    every: TraceModel
 
     @property
     def fills(self) -> NDArray[np.float64]:
@@ -62,7 +64,7 @@ class Fitted:
     @property
     def at_tips(self) -> bool:
         """Whether resin is taken to reach the tips."""
-        return self.model.wettings[0] == 0 and float(self.value[WETTING]) == 0
+        return self.model.wettings[0] == 0 and float(self.value[WETTING]) < _WET
 
     @property
     def rms(self) -> float:
@@ -85,7 +87,7 @@ def fit_model(whole: TraceModel) -> Fitted:
         noise = max(float(np.std(model.residual(value))), LEAST_NOISE)
     model, value = _up_to_the_tips(model, value, noise)
     misfit = float(np.mean(np.abs(whole.residual(value))))
-    return Fitted(model, value, noise, max(misfit, LEAST_NOISE))
+    return Fitted(model, value, noise, max(misfit, LEAST_NOISE), whole)
 
 
 def _up_to_the_tips(
@@ -95,10 +97,12 @@ def _up_to_the_tips(
 
     Resin cannot stand above the tips: a fit that is free to put it below errs to one side.
     """
-    if not (value[WETTING] < 0 and np.mean(value[FILL:]) < _COVERED):
+    if not (value[WETTING] < _WET and np.mean(value[FILL:]) < _COVERED):
         return model, value
     held = replace(model, wettings=(0.0, 1.0))
-    found = solve(held, value, noise, close=1e-6)
+    start = value.copy()
+    start[WETTING] = 0.0
+    found = solve(held, start, noise, close=1e-6)
     free, residual = model.residual(value), held.residual(found)
     noise *= np.sqrt(correlation_sum(free))
     worse = (np.sum(residual**2) - np.sum(free**2)) / noise**2
@@ -123,12 +127,12 @@ def solve(
     """
     low, high = model.bounds()
     value, damping = np.clip(value, low, high), 1e-3
-    residual, cost = _weighted(model, value, noise, robust)
+    left, residual, cost = _weighted(model, value, noise, robust)
     for _ in range(_STEPS):
         slope = model.jacobian(value, central=False)
         slope = slope - model.base @ (model.base.T @ slope)
-        weight = _weight(model.residual(value) / noise, robust)
-        rows = np.concatenate([slope * (-weight / noise)[:, None], model.prior_jacobian()])
+        weight = _weight(left / noise, robust)
+        rows = np.concatenate([slope * (-weight / noise)[:, None], model.prior_jacobian(value)])
         rows[:, FILL:] /= value[SLOPE]
         rows[:, SLOPE] -= rows[:, FILL:] @ value[FILL:]
         gradient, normal = rows.T @ residual, rows.T @ rows
@@ -144,13 +148,13 @@ def solve(
             steepness = np.clip(moved_to[SLOPE], low[SLOPE], high[SLOPE])
             moved_to[FILL:] = (value[FILL:] * value[SLOPE] + step[FILL:]) / steepness
             tried = np.clip(moved_to, low, high)
-            found, lower = _weighted(model, tried, noise, robust)
+            tried_left, found, lower = _weighted(model, tried, noise, robust)
             moved = lower < cost
             damping *= 0.2 if moved else 5.0
         if not moved:
             break
         done = cost - lower < close * lower
-        value, residual, cost = tried, found, lower
+        value, left, residual, cost = tried, tried_left, found, lower
         if done:
             break
         damping = max(damping, 1e-9)
@@ -167,13 +171,14 @@ def _weight(residual: NDArray[np.float64], robust: bool) -> NDArray[np.float64]:
 
 def _weighted(
     model: TraceModel, value: NDArray[np.float64], noise: float, robust: bool
-) -> tuple[NDArray[np.float64], float]:
-    """Return the weighted residuals and priors, and the sum that is made least."""
-    residual = model.residual(value) / noise
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Return the residuals, weighted ones with the priors, and the sum that is made least."""
+    left = model.residual(value)
+    residual = left / noise
     prior = model.prior(value)
     cost = np.sum(18 * (np.sqrt(1 + (residual / 3) ** 2) - 1)) if robust else np.sum(residual**2)
     weighted = np.concatenate([residual * _weight(residual, robust), prior])
-    return weighted, float(cost + np.sum(prior**2))
+    return left, weighted, float(cost + np.sum(prior**2))
 
 
 def _start(model: TraceModel) -> NDArray[np.float64]:
@@ -195,7 +200,7 @@ def _start(model: TraceModel) -> NDArray[np.float64]:
             found = (error, pitch, float(centre))
     _, pitch, centre = found
     value = np.array(
-        [centre, pitch, groove.wall_slope, 0.0, 0.0, LIKELY_ROUND] + [0.0] * model.grooves
+        [centre, pitch, groove.wall_slope, 0.0, 0.0, LIKELY_ROUND, 0.0] + [0.0] * model.grooves
     )
     best = (np.inf, value)
     for above in _WETTINGS if model.profile == "filled" else (0.0,):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mpfcad.errors import InputError
 from mpfcad.units import deg, um
 
 #: Full angle [rad] of the cone where only a radius is stated.
@@ -17,10 +18,14 @@ USUAL_RADII = (0.7 * um, 2.0 * um, 2.5 * um, 5.0 * um, 12.5 * um)
 
 @dataclass(frozen=True)
 class StylusTip:
-    """A ball of `radius` [mm] that ends a cone of full `angle` [rad]."""
+    """A ball of `radius` [mm] that ends a cone of full `angle` [rad].
+
+    radius_off: by how much [mm] the radius may be another, 95 %.
+    """
 
     radius: float
     angle: float = USUAL_ANGLE
+    radius_off: float = 0.0
 
     @property
     def flank_slope(self) -> float:
@@ -44,6 +49,26 @@ class StylusTip:
         touch = self.radius * slope / np.hypot(1.0, slope)
         ball = self.radius - np.sqrt(np.maximum(self.radius**2 - np.minimum(u, touch) ** 2, 0.0))
         return ball + slope * np.maximum(u - touch, 0.0)
+
+
+def parse_radius(text: str) -> tuple[float, float]:
+    """Return the radius and how far off it may be [mm] that `2.5±0.5` or `2.5` states in µm.
+
+    Raises
+    ------
+    InputError
+        naming the option where it states neither.
+    """
+    parts = text.replace("+-", "±").split("±")
+    try:
+        radius, off = (float(part) for part in (*parts, "0")[: max(len(parts), 2)])
+    except ValueError:
+        radius = off = -1.0
+    if not (0 <= radius <= 100 and 0 <= off <= radius):
+        raise InputError(
+            f"--tip-radius-um: {text!r}: expected 0 … 100, or such as 2.5±0.5, the second no larger"
+        )
+    return radius * um, off * um
 
 
 def dilate(

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from mpfcad.film.stylus.model import (
     FILL,
+    FLATNESS,
     PITCH,
     PRIORS,
     ROUNDING,
@@ -37,7 +38,7 @@ def half_widths(
     freedom: float,
     known: tuple[int, ...] = (),
 ) -> NDArray[np.float64]:
-    """Return half-widths, in the order of `_wanted`, (6,), by `design_of`'s columns.
+    """Return half-widths, in the order of `_wanted`, (7,), by `design_of`'s columns.
 
     known: values that are.
     """
@@ -106,19 +107,19 @@ def _free(
     free = [i for i in range(count) if (i != ROUNDING or inside) and i not in known]
     design = np.column_stack([columns[:, free], columns[:, count:]])
     prior = np.zeros((PRIORS + model.grooves, design.shape[1]))
-    prior[:PRIORS, : len(free)] = model.prior_jacobian()[:, free]
+    prior[:PRIORS, : len(free)] = model.prior_jacobian(fit.value)[:, free]
     for k in range(model.grooves):
         prior[PRIORS + k, free.index(FILL + k)] = 1 / _ANY_FILL
     return free, design, prior
 
 
 def _wanted(fit: Fitted, free: list[int], width: int) -> NDArray[np.float64]:
-    """Return the derivatives of what is wanted by the columns, (6, width).
+    """Return the derivatives of what is wanted by the columns, (7, width).
 
-    That is mean u, ln C, ln pitch, ln slope, wetting and roundness.
+    That is mean u, ln C, ln pitch, ln slope, wetting, roundness, flatness.
     """
     value, mean = fit.value, max(float(np.mean(fit.fills)), 1e-6)
-    rows = np.zeros((6, width))
+    rows = np.zeros((7, width))
     for k in np.flatnonzero(fit.whole):
         rows[0, free.index(FILL + int(k))] = 1 / len(fit.fills)
     rows[1] = rows[0] / mean
@@ -129,4 +130,5 @@ def _wanted(fit: Fitted, free: list[int], width: int) -> NDArray[np.float64]:
     if WETTING in free:
         rows[4, free.index(WETTING)] = 1.0
     rows[5, free.index(ROUNDNESS)] = 1.0
+    rows[6, free.index(FLATNESS)] = 1.0
     return rows

@@ -77,8 +77,8 @@ def on_stated_scale(
     if abs(pitch - 1) > max(_OFF, spread.log_pitch):
         x_part = pitch
         fit = fitted(fit.model.tip, x_part, z_part)
-        spread = spread_of(fit)
-    off = not spread.slope[0] <= groove.wall_slope <= spread.slope[1]
+    # Walls in sight are as much steeper as positions are nearer.
+    off = not spread.slope[0] * x_part <= groove.wall_slope <= spread.slope[1] * x_part
     for _ in range(_TIMES if off and not slope_hidden(spread, groove) else 0):
         slope = float(fit.value[SLOPE]) / groove.wall_slope
         if abs(slope - 1) <= _OFF:

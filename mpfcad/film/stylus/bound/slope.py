@@ -20,6 +20,8 @@ from mpfcad.film.stylus.solve import RISE, Fitted, solve
 
 #: ln(slope over the stated one) that are tried, and how often the step at an end is halved.
 _TRIED, _HALVINGS = np.linspace(-0.08, 0.08, 9), 3
+#: Farther than a slope whose sum of squares is so much larger none is tried.
+_FAR = 60.0
 #: A fit is as good as found when a step gains so much of a sum of some thousand.
 _CLOSE = 1e-5
 
@@ -52,6 +54,8 @@ def held_fits(fit: Fitted, noise: float, *, scaled: bool) -> list[Held]:
         for off in sorted((t for t in _TRIED if (t - start) * sign > 0), key=abs):
             near = _at(fit, float(off), near.off, near.value, noise, scaled)
             found.append(near)
+            if near.cost > min(held.cost for held in found) + _FAR:
+                break
     found.sort(key=lambda held: held.off)
     for _ in range(_HALVINGS):
         end = min(held.cost for held in found) + RISE

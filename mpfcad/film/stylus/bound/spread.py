@@ -47,7 +47,7 @@ class Spread:
     log_pitch
         half-width of ln(pitch)
     shape
-        half-widths of wetting and roundness
+        half-widths of wetting, roundness and flatness
     """
 
     fill: Bounds
@@ -55,7 +55,7 @@ class Spread:
     slope: tuple[float, float]
     likely_slope: float
     log_pitch: float
-    shape: tuple[float, float]
+    shape: tuple[float, float, float]
 
 
 def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
@@ -105,7 +105,7 @@ def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
         slopes,
         slope,
         float(half[2]),
-        (max(float(half[4]), -below.wetting), float(half[5])),
+        (max(float(half[4]), -below.wetting), float(half[5]), float(half[6])),
     )
 
 

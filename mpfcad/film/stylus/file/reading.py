@@ -286,7 +286,8 @@ def _height_factor(
     for factor in (1e-4, 1e-3, 1e-1, 1e1, 1e3, 1e4):
         if lowest < size * factor < highest:
             lie = lie_of(x, z * factor, groove, profile, raw.tip)
-            if lie.fits and lie.misfit < _CLEARLY * factor * as_stated.misfit:
+            whole = lie.share == 0 < as_stated.share
+            if lie.fits and (whole or lie.misfit < _CLEARLY * factor * as_stated.misfit):
                 fits.append((factor, lie))
     if len(fits) != 1:
         if lowest < size < highest and (not fits or as_stated.fits):
@@ -313,4 +314,5 @@ def _tip_words(tip: StylusTip | None, told: bool) -> str:
     if tip is None:
         return "tip not stated"
     angle = f", {tip.angle / deg:g}°"
-    return f"tip {tip.radius / um:g} µm{angle} {'as told' if told else 'from its header'}"
+    off = f" ± {tip.radius_off / um:g}" if tip.radius_off else ""
+    return f"tip {tip.radius / um:g}{off} µm{angle} {'as told' if told else 'from its header'}"
