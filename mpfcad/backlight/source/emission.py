@@ -3,12 +3,14 @@
 import csv
 import io
 import math
+import re
 import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight.source.eulumdat import read_eulumdat
 from mpfcad.backlight.source.lattice import folder_text
 from mpfcad.backlight.source.ray_file import read_ray_file
 from mpfcad.backlight.source.ray_layout import SUFFIXES
@@ -23,6 +25,8 @@ _BATWING = (
 _PEAK = 65.0
 FORMULAS = ("cosine", "batwing")
 FILES = (".csv", ".ies", ".ldt")
+#: Keywords that a reader of IES files asks for; nothing depends on them.
+_KEYWORDS = ("[TEST] -", "[MANUFAC] -", "[LUMCAT] -")
 #: Azimuths of a measured table: every 5°.
 _AZIMUTHS = 72
 #: Least step between a file's polar angles [deg].
@@ -70,8 +74,10 @@ def read_emission(where: str, folder: Path, name: str) -> NDArray[np.float64]:
         polar, azimuth, value = _read_csv(where, folder_text(where, folder, name))
     elif suffix in SUFFIXES:
         polar, azimuth, value = read_ray_file(where, folder / name)
-    elif suffix in FILES:
-        polar, azimuth, value = _read_photometry(where, folder / name, suffix)
+    elif suffix == ".ies":
+        polar, azimuth, value = _read_ies(where, folder / name)
+    elif suffix == ".ldt":
+        polar, azimuth, value = read_eulumdat(where, _text(folder / name))
     else:
         raise InputError(
             f"{where}: expected one of {', '.join(FORMULAS)} or a file {(*FILES, *SUFFIXES)}"
@@ -98,34 +104,53 @@ def _read_csv(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     return table[:, 0], np.zeros(1), table[None, :, 1]
 
 
-def _read_photometry(where: str, path: Path, suffix: str) -> tuple[NDArray, NDArray, NDArray]:
-    """Return (polar, azimuth [deg], (azimuth, polar) intensity) of an IES or EULUMDAT file."""
+def _read_ies(where: str, path: Path) -> tuple[NDArray, NDArray, NDArray]:
+    """Return (polar, azimuth [deg], (azimuth, polar) intensity) of an IES file."""
     try:
-        from photompy import IESFile, LDTFile  # type: ignore[import-untyped]
+        from photompy import IESFile  # type: ignore[import-untyped]
     except ImportError:
         raise InputError(
             f"{where}: needs photompy: expected after pip install 'mpfcad[instruments]'"
         ) from None
 
-    reader = IESFile if suffix == ".ies" else LDTFile
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            table = reader.read(path).photometry
+            table = IESFile.read(_under_one_header(_text(path))).photometry
             _refuse_angles(table.thetas)
             full = table.expanded()
         polar, azimuth = np.asarray(full.thetas, float), np.asarray(full.phis, float)
         value = np.asarray(full.values, float)
     except Exception as error:
-        text = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"{where}: {text}: expected a complete {suffix[1:].upper()} file"
-        ) from None
+        text = " ".join(str(error).split()) if isinstance(error, ValueError) else "not understood"
+        raise InputError(f"{where}: {text}: expected a complete IES file") from None
     if value.shape != (len(azimuth), len(polar)):
         raise InputError(
             f"{where}: table {value.shape}: expected {len(azimuth)} planes of {len(polar)} angles"
         )
     return polar, azimuth, value
+
+
+def _text(path: Path) -> str:
+    raw = path.read_bytes()
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", "replace")
+
+
+def _under_one_header(text: str) -> bytes:
+    """Return an IES file's text from its tilt on, under a header of 1995.
+
+    What stands above the tilt names the luminaire, in forms that differ by the year of LM-63 (1986
+    none, 1991 `IESNA91`) and by maker; the numbers are the same in all.
+    """
+    found = re.search(r"^[ \t]*TILT[ \t]*=[ \t]*", text, re.IGNORECASE | re.MULTILINE)
+    if not found:
+        return text.encode()
+    word, *below = text[found.end() :].split("\n", 1)
+    lines = ["IESNA:LM-63-1995", *_KEYWORDS, f"TILT={word.strip().upper()}", *below]
+    return "\n".join(lines).encode()
 
 
 def _refuse_angles(polar: NDArray) -> None:

@@ -40,7 +40,7 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
         when it shows none of this pitch and depth.
     """
     relief = float(np.std(fit.model.levelled(fit.value)))
-    if not fit.rms <= UNEXPLAINED * relief:
+    if not _is_explained(fit):
         raise InputError(
             f"{trace.name}: z_um: residual {fit.rms / um:.3g} µm rms of {relief / um:.3g} µm of "
             f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
@@ -63,6 +63,10 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"{off / relief:.1%} of the relief, more than noise: are these such grooves?"
         )
     return said
+
+
+def _is_explained(fit: Fitted) -> bool:
+    return fit.rms <= UNEXPLAINED * float(np.std(fit.model.levelled(fit.value)))
 
 
 def _differing(trace: StylusTrace, fit: Fitted) -> list[str]:
@@ -123,7 +127,7 @@ def odd_grooves(
     if count < OWN_FILL:
         return None
     left, number = _left(fit), fit.every.number(fit.value)
-    if not _stands_out(_each(left, number, count)):
+    if not (_is_explained(fit) and _stands_out(_each(left, number, count))):
         return None
 
     def without(out: NDArray[np.bool_]) -> tuple[StylusTrace, NDArray[np.float64]]:

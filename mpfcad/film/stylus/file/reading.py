@@ -28,6 +28,8 @@ from mpfcad.film.stylus.trace import StylusTrace, check_sampling
 from mpfcad.film.stylus.upright import Lie, lie_of
 from mpfcad.units import deg, um
 
+#: Bytes in which a binary file shows that it is one: some begin with pages of text.
+_HEADER = 100_000
 #: Share of the misfit that heights in another unit must come down to.
 _CLEARLY = 0.6
 
@@ -152,7 +154,7 @@ def _scaled(
 
 def _read_raw(path: Path, option: ReadingOption) -> RawProfile:
     with path.open("rb") as file:
-        start = file.read(4000)
+        start = file.read(_HEADER)
     if is_instrument_file(path, start):
         return read_instrument_file(path)
     return find_profile(path, read_table(path), option.columns)
