@@ -67,3 +67,11 @@ def test_a_tip_that_is_stated_is_not_asked_for():
     """Bare walls under 5 µm fit upside down as well, as resin of 68 /mm."""
     with pytest.raises(InputError, match="fit alike: expected --upright once"):
         fit_stylus_trace(traced(79.9, 5.0, 5.0, either=True), BEF)
+
+
+@pytest.mark.parametrize(("curvature", "radius"), [(58.0, 4.0), (66.0, 3.5)])
+def test_without_a_tip_one_between_the_usual_ones_is_held(curvature, radius):
+    """By 2.5 µm, the largest usual one that fits, it read up to 4 /mm too high."""
+    fit = fit_stylus_trace(traced(curvature, radius, None), BEF)
+    assert fit.curvature.low <= curvature + 0.3
+    assert fit.curvature.value - curvature < 3.0

@@ -79,7 +79,7 @@ def test_a_tip_that_did_not_trace_it_is_found():
     trace = traced(60.0, None)
     wrong = StylusTrace(trace.position, trace.height, "t.csv", StylusTip(2.5e-3))
     fit = fit_stylus_trace(wrong, BEF)
-    assert "; of the usual ones only a sharp tip fits" in fit.notes[0]
+    assert "; tips from sharp to 0." in fit.notes[0]
     assert "sharper than its tip of 2.5 µm" in fit.notes[0]
     assert fit.curvature.low <= 60.0 + 1e-6
     assert fit.curvature.high >= 60.0 - 1e-6

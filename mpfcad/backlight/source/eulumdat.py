@@ -29,12 +29,12 @@ def read_eulumdat(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     symmetry, planes, angles, sets = (
         int(_number(where, lines, at)) for at in (_SYMMETRY, _PLANES, _ANGLES, _SETS)
     )
-    for at, value, least, most in (
+    for at, given, least, most in (
         (_SYMMETRY, symmetry, 0, 4), (_PLANES, planes, 1, 721), (_ANGLES, angles, 2, 1801),
         (_SETS, abs(sets), 1, 20),
     ):  # fmt: skip
-        if not least <= value <= most:
-            raise InputError(f"{where}: line {at + 1}: {value}: expected {least} … {most}")
+        if not least <= given <= most:
+            raise InputError(f"{where}: line {at + 1}: {given}: expected {least} … {most}")
     start = _HEAD + _LAMPS * abs(sets) + _RATIOS
     azimuth = _numbers(where, lines, start, planes)
     polar = _numbers(where, lines, start + planes, angles)

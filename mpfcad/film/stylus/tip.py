@@ -13,7 +13,7 @@ USUAL_ANGLE = 60 * deg
 #: Full angles [rad] of the cones that makers of stylus profilers sell.
 USUAL_ANGLES = (60 * deg, 90 * deg)
 #: Radii [mm] that makers of stylus profilers sell.
-USUAL_RADII = (0.7 * um, 2.0 * um, 2.5 * um, 5.0 * um, 12.5 * um)
+USUAL_RADII = (0.7 * um, 2.0 * um, 2.5 * um, 5.0 * um, 10.0 * um, 12.5 * um)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@ WORSE = 1.25
 #: The radius that a stated tip is compared with, as a share of its own.
 SHARPER = 0.75
 
+#: Halvings between the largest usual radius that fits and the next.
+_BETWEEN = 3
 #: A stated tip is doubted where a larger one's sum of squares and priors is so much less.
 _DOUBTED = 2.0
 
@@ -65,10 +67,27 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
         # Once a tip is too large, every larger one is.
         if fits[-1].misfit > 2 * min(fit.misfit for fit in fits):
             break
+    fits = _largest_between(fits, fitted)
     least = min(fit.misfit for fit in fits)
     fits = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
     words = f"{why}; {_tip_words(fits)}"
     return TipFits(_median_first(fits), [words], USUAL_ANGLES)
+
+
+def _largest_between(fits: list[Fitted], fitted: Fit) -> list[Fitted]:
+    """Return fits, smallest radius first, with some between the largest that fits and the next.
+
+    A worn tip is none of the usual ones. Prism tips that are a little round make up for one that
+    is too small, but the resin then reads too steep.
+    """
+    for _ in range(_BETWEEN):
+        least = min(fit.misfit for fit in fits)
+        kept = [k for k, fit in enumerate(fits) if fit.misfit**2 <= WORSE * least**2]
+        if kept[-1] + 1 == len(fits):
+            return fits
+        low, high = (fit.model.tip.radius if fit.model.tip else 0.0 for fit in fits[kept[-1] :][:2])
+        fits = [*fits[: kept[-1] + 1], fitted(StylusTip((low + high) / 2)), fits[kept[-1] + 1]]
+    return fits
 
 
 def _of_stated(tip: StylusTip, sharp: Fitted, fitted: Fit) -> TipFits | None:
@@ -94,8 +113,8 @@ def _of_stated(tip: StylusTip, sharp: Fitted, fitted: Fit) -> TipFits | None:
     if blunter:
         words = (
             f"the prism tips look rounded by {told.value[ROUNDING] / um:.2g} µm beside the stated "
-            f"tip of {tip.radius / um:g} µm; one of {_radii(blunter)} µm is likelier: the interval "
-            "holds both"
+            f"tip of {tip.radius / um:g} µm; one of {_radii(blunter)[-1]:.3g} µm is likelier: the "
+            "interval holds both"
         )
         return TipFits(_median_first([told, *blunter]), [words], (tip.angle,))
     off = tip.radius_off
@@ -135,15 +154,14 @@ def _median_first(fits: list[Fitted]) -> list[Fitted]:
 
 
 def _tip_words(fits: Sequence[Fitted]) -> str:
-    """Return which of the usual tips fit a trace, and what the interval makes of it."""
-    names = ["a sharp tip"] * any(fit.model.tip is None for fit in fits)
-    if _radii(fits):
-        names.append(f"a radius of {_radii(fits)} µm")
+    """Return which tips fit a trace, and what the interval makes of it."""
+    radii = _radii(fits)
+    least = f"{radii[0]:.2g} µm" if radii[0] else "sharp"
     if len(fits) == 1:
-        return f"of the usual ones only {names[0]} fits"
-    return f"{' and '.join(names)} fit: the interval holds all of them"
+        return f"only a tip that is {least} fits"
+    return f"tips from {least} to {radii[-1]:.2g} µm fit: the interval holds all of them"
 
 
-def _radii(fits: Sequence[Fitted]) -> str:
-    radii = sorted(fit.model.tip.radius / um for fit in fits if fit.model.tip)
-    return " or ".join(f"{radius:g}" for radius in radii)
+def _radii(fits: Sequence[Fitted]) -> list[float]:
+    """Return radii in µm, rising; 0 of a sharp tip."""
+    return sorted(fit.model.tip.radius / um if fit.model.tip else 0.0 for fit in fits)
