@@ -41,6 +41,13 @@ class Estimate:
         half = reach(freedom) * standard_error
         return cls(value, value - half, value + half, standard_error)
 
+    def widened(self, error: float) -> "Estimate":
+        """Return the estimate with an independent standard error more."""
+        whole = float(np.hypot(self.standard_error, error))
+        by = whole / self.standard_error if self.standard_error > 0 else 1.0
+        low, high = (self.value + by * (end - self.value) for end in (self.low, self.high))
+        return Estimate(self.value, low, high, whole)
+
     @classmethod
     def within(cls, value: float, low: float, high: float) -> "Estimate":
         """Return the estimate of a figure with its interval; its error is that of a normal one."""

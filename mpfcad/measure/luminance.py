@@ -10,16 +10,22 @@ from mpfcad.measure.contrast.contrast import contrast_of_curve, contrasts_of_pit
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.glow import Glow, can_glow, find_glow
 from mpfcad.measure.judged import Judged, judged_pitches
 from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
-from mpfcad.measure.rounds import Lit, TraceRun, Trail, trace_rounds
+from mpfcad.measure.rounds import Lit, TraceRun, TraceState, Trail, relative_error, trace_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
+    from mpfcad.optics.source import Source
 
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
 _ENERGY_BLOCKS = 256
+#: The contrast's half-width of a smooth curve, over the points' relative error.
+_HALF_WIDTH = 0.8
+#: Paths that tell how many are needed; from so many times more a table is asked for.
+_FIRST, _MANY = 270_000, 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,26 +133,14 @@ def luminance_over_pitch(
         EYE, position * stack.period.across, lit.spot.width, acceptance=stack.acceptance
     )
 
-    def read(tally: "Tally") -> tuple[CurveFit, Estimate]:
-        refuse_dark(stack.name, position, tally.radiance)
-        found = tally.radiance, tally.radiance_error, tally.blocks
-        if tally.blocks not in known:
-            curve = fit_curve(position, *found, periodic=not lit.is_finite, blurred=blurred)
-            within = replace(curve, window=curve.window[part])
-            known[tally.blocks] = curve, contrast_of_curve(within, run.seed)
-        return known[tally.blocks]
-
-    known: dict[int, tuple[CurveFit, Estimate]] = {}
-    blurred = lit.is_blurred
-    trail = Trail(lambda tally: _ends(read(tally)[1]))
-    tally = trace_rounds(
-        lit, source, run, lambda tally: read(tally)[1].half_width, half_width_goal, FIGURE,
-        trail=trail,
-    )  # fmt: skip
-    curve, contrast = read(tally)
+    reader = _Reader(lit, source, run.seed, part)
+    tally = reader.trace(run, half_width_goal)
+    curve, contrast = reader.read(tally)
+    shape_error, mean_error = reader.shared(tally)
     start = int(np.argmin(np.abs(position)))
     central = slice(start, start + POINTS)
-    luminance, error = tally.radiance[central], tally.radiance_error[central]
+    luminance = tally.radiance[central]
+    error = np.sqrt(tally.radiance_error**2 + shape_error**2 + mean_error**2)[central]
     number = start // (POINTS - 1)
     return LuminanceResult(
         position[central],
@@ -157,15 +151,83 @@ def luminance_over_pitch(
         curve,
         number,
         contrast,
-        curve.mean(number),
+        curve.mean(number).widened(mean_error),
         tuple(contrasts_of_pitches(curve, run.seed)) if lit.is_finite else (),
         judged,
         lit.spot,
         _energy(lit, run.seed, run.threads),
-        tally.total_paths,
+        tally.total_paths + reader.table_paths,
         lit.accelerator,
-        np.array(trail.rows),
+        np.array(reader.rows),
     )
+
+
+class _Reader:
+    """The trace of a meter's points and what is read off it: curve and contrast."""
+
+    def __init__(self, lit: Lit, source: "Source", seed: int, part: slice) -> None:
+        self._lit, self._source, self._seed, self._part = lit, source, seed, part
+        self._glow: Glow | None = None
+        self._known: dict[int, tuple[CurveFit, Estimate]] = {}
+        self._trail = Trail(lambda tally: _ends(self.read(tally)[1]))
+
+    def trace(self, run: TraceRun, goal: float) -> "Tally":
+        """Return the tally of a trace to a half-width of the contrast, the fastest way."""
+        if run.path_limit <= _FIRST or not can_glow(self._lit):
+            return self._round(run, goal)
+        first = TraceRun(run.seed, run.threads, _FIRST, judged=run.judged)
+        tally = self._round(first, goal)
+        half_width = self.read(tally)[1].half_width
+        if half_width <= goal:
+            if run.progress:
+                paths = tally.total_paths
+                run.progress(TraceState(paths, paths, half_width, goal, FIGURE))
+            return tally
+        times = run.path_limit / tally.total_paths
+        if goal > 0:
+            # Of few paths the half-width tells badly how many are needed.
+            expected = min(half_width, _HALF_WIDTH * relative_error(tally))
+            times = min(times, (expected / goal) ** 2)
+        if times > _MANY:
+            self._glow = find_glow(self._lit, self._source, run, tally, times * tally.blocks)
+        self._known.clear()
+        return self._round(run, goal)
+
+    def _round(self, run: TraceRun, goal: float) -> "Tally":
+        return trace_rounds(
+            self._glow.lit if self._glow else self._lit, self._source, run,
+            lambda tally: self.read(tally)[1].half_width, goal, FIGURE, trail=self._trail,
+        )  # fmt: skip
+
+    def read(self, tally: "Tally") -> tuple[CurveFit, Estimate]:
+        """Return the curve and its contrast, of the worst judged pitch."""
+        position = pitch_positions(self._lit.stack)
+        refuse_dark(self._lit.stack.name, position, tally.radiance)
+        if tally.blocks not in self._known:
+            error = np.hypot(tally.radiance_error, self.shared(tally)[0])
+            curve = fit_curve(
+                position, tally.radiance, error, tally.blocks,
+                periodic=not self._lit.is_finite, blurred=self._lit.is_blurred,
+            )  # fmt: skip
+            within = replace(curve, window=curve.window[self._part])
+            self._known[tally.blocks] = curve, contrast_of_curve(within, self._seed)
+        return self._known[tally.blocks]
+
+    def shared(self, tally: "Tally") -> tuple[NDArray[np.float64], float]:
+        """Return the errors [cd/m²] of what points share: at each (p,), and of the mean."""
+        if self._glow is None:
+            return np.zeros(len(tally.score)), 0.0
+        return self._glow.errors(tally)
+
+    @property
+    def table_paths(self) -> int:
+        """Paths that end on no point."""
+        return self._glow.paths if self._glow else 0
+
+    @property
+    def rows(self) -> list[tuple[float, ...]]:
+        """After each round: all paths, contrast and ends of its interval."""
+        return [(paths + self.table_paths, *ends) for paths, *ends in self._trail.rows]
 
 
 def _ends(estimate: Estimate) -> tuple[float, float, float]:

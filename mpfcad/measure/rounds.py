@@ -211,14 +211,14 @@ def trace_rounds(
         when more than 1e-6 of the paths are lost, and no gate judges them.
     """
     from mpfcad.optics.base.recorder import FLOWS, Tally
-    from mpfcad.optics.engine import BLOCK
+    from mpfcad.optics.engine import BLOCK, flow_count
 
     points = len(source.position)
     limit = run.path_limit
     case = work_key(
         "trace", {**lit.case, "source": source, "seed": run.seed, "goal": goal, "limit": limit}
     )
-    empty = Tally.empty(points, len(FLOWS) + len(lit.elements))
+    empty = Tally.empty(points, flow_count(lit.scene, points))
     trail = trail or Trail(lambda tally: (error, error, error))
     tally, trail.rows[:] = run.checkpoints.read(case) or (empty, [])
     error, start = float("nan"), tally.total_paths

@@ -47,7 +47,7 @@ from mpfcad.optics.scene import Scene, build_scene
 from mpfcad.optics.score.state import begin_scores, see, settle
 from mpfcad.optics.search.tile import BVH, GRID, SECTION
 from mpfcad.optics.search.tile_table import tile_of
-from mpfcad.optics.source import EYE, LAMPS, Source, start_ray
+from mpfcad.optics.source import EYE, LAMPS, REFLECTOR, Source, start_ray
 from mpfcad.optics.spectral.hue import look_at
 from mpfcad.optics.start_lanes import start_rays
 from mpfcad.optics.stokes.engine import trace_block
@@ -80,7 +80,7 @@ def refill(scene, source, seed, stream, first, started, slots, count, wave, scor
     """Put new paths into free slots while there are any of `count`; return the next's number."""
     slots = slots[: min(len(slots), count - started)]
     begin_scores(score, slots)
-    if source.kind == LAMPS:
+    if source.kind in (LAMPS, REFLECTOR):
         for i in range(len(slots)):
             path = first + uint64(started + i)
             _begin(scene, source, seed, stream, path, slots[i], started + i, wave)
@@ -229,6 +229,11 @@ def compile_tracer() -> None:
     trace_paths(scene, source, zero, zero, zero, Wave.empty(1), np.empty(0), flow, NO_NET)
 
 
+def flow_count(scene: Scene, points: int) -> int:
+    """Return how many flows a tally of so many points has."""
+    return len(FLOWS) + len(scene.kind) + points * max(0, len(scene.glow) - 1)
+
+
 def trace(
     scene: Scene,
     source: Source,
@@ -245,7 +250,7 @@ def trace(
     block comes in.
     """
     points = len(source.position)
-    flows = len(FLOWS) + len(scene.kind)
+    flows = flow_count(scene, points)
 
     def polarised(block: int) -> Tally:
         stokes, flow = np.empty((BLOCK, points, 1)), np.zeros(flows)

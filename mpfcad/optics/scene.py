@@ -61,6 +61,8 @@ class Scene(NamedTuple):
         (7,) and (l, 3) float64, a finite panel's (`Panel.arrays`); without end: no lamps
     led, emission
         (l, 4) float64, a board's (`Board.array`), and how its LEDs emit; no board: no LEDs
+    glow
+        (n+1,) float64 [cd/m²], what ends paths on the reflector (`cavity.glow`); empty: nothing
     length
         [mm] along y over which the stack repeats, and a meter averages unless told otherwise
     polarised
@@ -80,6 +82,7 @@ class Scene(NamedTuple):
     lamp: NDArray[np.float64]
     led: NDArray[np.float64]
     emission: EmissionArrays
+    glow: NDArray[np.float64]
     length: float
     polarised: bool
     below: float
@@ -175,7 +178,7 @@ def _built(
     sky = float(below), float(above)
     return Scene(
         np.zeros(0, np.int64), np.zeros((0, COLUMNS)), table, phase, bsdf, library, cells,
-        NO_WALL, np.zeros((0, 3)), led, emission, length, polarised, *sky,
+        NO_WALL, np.zeros((0, 3)), led, emission, np.zeros(0), length, polarised, *sky,
     )  # fmt: skip
 
 

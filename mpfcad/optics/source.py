@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import root, select
 from mpfcad.optics.base.sampling import disk, uniform
-from mpfcad.optics.cavity.endless import NO_LAMP
+from mpfcad.optics.cavity.endless import NO_LAMP, ON_REFLECTOR
 from mpfcad.optics.cavity.start import cavity_start
 
-EYE, LAMBERTIAN_BELOW, LAMPS = range(3)
+EYE, LAMBERTIAN_BELOW, LAMPS, REFLECTOR = range(4)
 
 
 class _SourceFields(NamedTuple):
@@ -34,7 +34,9 @@ class Source(_SourceFields):
     ----------
     kind
         `EYE`: over the scene, looking down (a luminance meter, traced backward);
-        `LAMBERTIAN_BELOW`: under it, Lambertian upward; `LAMPS`: on the lamps' surface, Lambertian
+        `LAMBERTIAN_BELOW`: under it, Lambertian upward; `LAMPS`: on the lamps' surface,
+        Lambertian; `REFLECTOR`: on the reflector under an endless row of tubes, Lambertian, traced
+        backward without what the nearest tubes send there directly
     position
         (p,) float64 [mm], x of the measured points; paths are shared out equally
     spot
@@ -112,5 +114,7 @@ def start_ray(scene, source, point, rng):
     dz = remaining_cosine(px, py)
     if source.kind == LAMBERTIAN_BELOW:
         return 0, True, x, y, 0.0, px, py, dz, NO_LAMP
+    if source.kind == REFLECTOR:
+        return 0, True, x, y, 0.0, px, py, dz, ON_REFLECTOR
     x, y, z, dx, dy, dz, lamp = cavity_start(scene, y, rng)
     return 0, True, x, y, z, dx, dy, dz, lamp

@@ -14,6 +14,8 @@ LAMP_LUMINANCE, LAMP_REFLECTANCE, REFLECTANCE, SPECULAR_FRACTION, BRDF = range(5
 
 #: The lamp number of a ray that starts on no lamp (every whole number near 0 is one).
 NO_LAMP = -(2**40)
+#: That of a ray that starts on the reflector.
+ON_REFLECTOR = NO_LAMP - 1
 
 
 @kernel

@@ -31,26 +31,29 @@ from mpfcad.optics.cavity.endless import (
     SPECULAR_FRACTION,
     lamp_hit,
 )
+from mpfcad.optics.cavity.glow import glow_at, land
 from mpfcad.optics.score.state import settle_lanes
 from mpfcad.optics.spectral.hue import look_at, seen
 
 _MOST_MEETINGS = 1_000_000
-_FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST, _WEIGHT = range(6)
+_FOUND, _LAMPS, _ELEMENT, _ROULETTE, _LOST, _WEIGHT, _LANDED = range(7)
 _LANE = np.arange(WIDE)
 
 
 @kernel
-def cavity_passages(cavity, slots, wave, sums, score, hue):
+def cavity_passages(cavity, glow, slots, wave, sums, landed, score, hue):
     """Follow the rays of up to sixteen slots, which come from above, through an endless cavity.
 
-    `cavity` are its parameters; its reflector is no table. `sums` (f,) gets where weights went,
+    `cavity` are its parameters; its reflector is no table. `glow` (n+1,) ends rays there (`glow`),
+    or is empty. `sums` (f,) gets where weights went, `landed` the weights that ended by the glow,
     `score` what derivatives need, or is None.
     """
     for i in range(WIDE):
         # Lanes without a slot have the last row, whose weight is 0.
         wave.lane_row[i] = slots[i] if i < len(slots) else len(wave.place) - 1
     flow = wave.lane_flow
-    _follow(cavity, wave.place, wave.rng, wave.weight, load_wide(wave.lane_row, 0), flow, score)
+    row = load_wide(wave.lane_row, 0)
+    _follow(cavity, glow, wave.place, wave.rng, wave.weight, row, flow, score)
     for i in range(len(slots)):
         slot = slots[i]
         wave.weight[slot] = flow[i, _WEIGHT]
@@ -61,11 +64,13 @@ def cavity_passages(cavity, slots, wave, sums, score, hue):
         sums[FLOW_ELEMENTS] += flow[i, _ELEMENT]
         sums[FLOW_ROULETTE] += flow[i, _ROULETTE]
         sums[FLOW_LOST] += flow[i, _LOST]
+        if len(glow) > 0:
+            land(glow, cavity, wave.place[slot, 0], flow[i, _LANDED], wave.path[slot], landed)
     settle_lanes(score, wave, slots)
 
 
 @kernel
-def _follow(cavity, place, rng, weights, row, flow, score):
+def _follow(cavity, glow, place, rng, weights, row, flow, score):
     """Follow the rays of some rows until all have left; put where their weights went into flow."""
     top, luminance = cavity[HEIGHT], cavity[LAMP_LUMINANCE]
     height, radius = cavity[LAMP_HEIGHT], cavity[LAMP_RADIUS]
@@ -79,7 +84,7 @@ def _follow(cavity, place, rng, weights, row, flow, score):
     zero = spread_wide(0.0)
     own = spread_wide(1.0 * NO_LAMP)
     first, last = spread_wide(1.0 * NONE_COUNTED[0]), spread_wide(1.0 * NONE_COUNTED[1])
-    found, to_lamps, to_element, to_roulette, lost = zero, zero, zero, zero, zero
+    found, to_lamps, to_element, to_roulette, lost, ended = zero, zero, zero, zero, zero, zero
     if score is not None:
         # Meetings with lamps and reflector, the mirrored part's score; light by each; control.
         lamps, floors, odds, by_lamps, by_floors, by_odds, drawn = (
@@ -133,6 +138,9 @@ def _follow(cavity, place, rng, weights, row, flow, score):
                 slope = select(floor, weight * slope * luminance, 0.0)
                 by_odds = by_odds + light * odds + slope
             first, last = select(floor, nearest - 1.0, first), select(floor, nearest + 1.0, last)
+        if len(glow) > 0:
+            back = glow_at(glow, cavity[LAMP_PITCH], cavity[LAMP_POSITION], x)
+            found = found + select(floor, weight * (1.0 - specular) * back, 0.0)
         # The direction after: about the lamp's normal, Lambertian or mirrored.
         one, two, aft = next_two(key0, key1, path0, path1, stream, draw, spare, has)
         mirrored = floor & (one < specular)
@@ -155,6 +163,9 @@ def _follow(cavity, place, rng, weights, row, flow, score):
         dx, dy = select(turned, px, dx), select(turned, py, dy)
         dz = select(turned, pz, select(mirrored, -dz, dz))
         own = select(lamp, number, select(floor, 1.0 * NO_LAMP, own))
+        if len(glow) > 0:
+            ended = ended + select(diffuse, weight, 0.0)
+            weight = select(diffuse, 0.0, weight)
         # The roulette.
         faint = (lamp | floor) & (weight < ROULETTE_BELOW) & (weight > 0.0)
         draw, spare, has = take(draw, spare, has, aft, diffuse ^ faint, diffuse & faint)
@@ -169,7 +180,7 @@ def _follow(cavity, place, rng, weights, row, flow, score):
     scatter_line(place, row, x, y, z, dx, dy, dz, zero, zero)
     scatter_half(rng, row, stream, draw, spare, select(has, 1, 0))
     lane = load_wide(_LANE, 0)
-    scatter_line(flow, lane, found, to_lamps, to_element, to_roulette, lost, weight, zero, zero)
+    scatter_line(flow, lane, found, to_lamps, to_element, to_roulette, lost, weight, ended, zero)
     if score is not None:
         scatter_line(
             score.lane, lane, lamps / cavity[LAMP_REFLECTANCE], floors / cavity[REFLECTANCE], odds,

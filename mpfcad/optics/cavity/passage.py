@@ -7,16 +7,25 @@ from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST, FL
 from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.cavity.board_passage import over_board
-from mpfcad.optics.cavity.direct import ALL_COUNTED, NONE_COUNTED, direct_light, panel_surplus
+from mpfcad.optics.cavity.direct import (
+    ALL_COUNTED,
+    NONE_COUNTED,
+    direct_light,
+    lamp_view,
+    panel_surplus,
+)
 from mpfcad.optics.cavity.endless import (
     BRDF,
     HEIGHT,
     LAMP,
     LAMP_HEIGHT,
     LAMP_LUMINANCE,
+    LAMP_PITCH,
+    LAMP_POSITION,
     LAMP_RADIUS,
     LAMP_REFLECTANCE,
     NO_LAMP,
+    ON_REFLECTOR,
     OPENING,
     REFLECTANCE,
     REFLECTOR,
@@ -54,10 +63,13 @@ _MOST_MEETINGS = 1_000_000
 def cavity_passage(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng):
     """Follow a ray in the cavity until it leaves or ends: (x, y, dx, dy, dz, weight, radiance).
 
-    `lamp` is the emitter that the ray starts on, at (x, y, z), or `NO_LAMP`: it comes from above.
+    `lamp` is the emitter that the ray starts on, at (x, y, z), `ON_REFLECTOR`, or `NO_LAMP`: it
+    comes from above. No ray that comes from above is followed here where the scene has a glow.
     """
     if lamp == NO_LAMP:
         z = scene.parameter[0, HEIGHT]
+    elif lamp == ON_REFLECTOR:
+        z = 0.0
     if len(scene.led) > 0:
         return over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, hue, rng)
     return _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, hue, rng)
@@ -70,6 +82,14 @@ def _among_tubes(scene, x, y, z, dx, dy, dz, lamp, weight, flow, light, score, h
     finite = len(scene.lamp) > 0
     radiance = 0.0
     first, last = NONE_COUNTED
+    if lamp == ON_REFLECTOR:
+        # What lamps send there directly is left out: `direct_light` adds it.
+        _, nearest = lamp_view(
+            parameter[LAMP_PITCH], parameter[LAMP_POSITION], parameter[LAMP_HEIGHT],
+            parameter[LAMP_RADIUS], x,
+        )  # fmt: skip
+        first, last = int(nearest) - 1, int(nearest) + 1
+        lamp = NO_LAMP
     for _ in range(_MOST_MEETINGS):
         if finite:
             what, x, y, z, number, centre = panel_hit(

@@ -2,6 +2,7 @@
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.lanes import WIDE
+from mpfcad.optics.base.recorder import FLOW_ELEMENTS
 from mpfcad.optics.cavity.endless import BRDF, NO_LAMP
 from mpfcad.optics.cavity.endless_lanes import cavity_passages
 from mpfcad.optics.spectral.hue import is_coloured
@@ -18,11 +19,21 @@ def pass_cavity_queue(scene, rays, wave, flow, score, hue):
         return 0
     if is_coloured(hue, 0):
         return 0
+    landed = flow[FLOW_ELEMENTS + len(scene.kind) :]
     count = 0
     for i in range(len(rays)):
         if wave.lamp[rays[i]] == NO_LAMP:
             rays[count], rays[i] = rays[i], rays[count]
             count += 1
     for i in range(0, count, WIDE):
-        cavity_passages(scene.parameter[0], rays[i : min(i + WIDE, count)], wave, flow, score, hue)
+        cavity_passages(
+            scene.parameter[0],
+            scene.glow,
+            rays[i : min(i + WIDE, count)],
+            wave,
+            flow,
+            landed,
+            score,
+            hue,
+        )
     return count
