@@ -3,8 +3,8 @@
 `python benchmarks/loop.py [JOB] [--draws N] [--first K] [--json]`. A factory is a backlight and a
 printing process drawn from the widths of the job; nobody tells the program which. Its first print
 is that of the job. A meter measures the print over two lamp pitches, coupons tell the process, and
-`mpfcad correct` writes the next job, which the same factory prints. Each print lies elsewhere
-against the lamps. About two CPU minutes a factory.
+`mpfcad correct --solids auto` writes the next job, which the same factory prints. Each print lies
+elsewhere against the lamps. About two CPU minutes a factory.
 """
 
 import argparse
@@ -134,7 +134,7 @@ def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
     """Return the contrasts of a factory's prints and what was predicted of them."""
     from mpfcad.job import read_job
     from mpfcad.pipeline.confidence.find import variants_of
-    from mpfcad.pipeline.correct import correct_print
+    from mpfcad.pipeline.correct.printed import correct_print
     from mpfcad.pipeline.judge import Judging
     from mpfcad.pipeline.plan.plan import read_plan
     from mpfcad.pipeline.progress import SILENT
@@ -159,9 +159,14 @@ def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
             out = folder / f"next-{number}"
             record = correct_print(
                 export, folder / f"measured-{number}.csv", Judging(lamp=0.0), out,
-                process_file=folder / "coupons.toml",
+                process_file=folder / "coupons.toml", solids="auto",
             )  # fmt: skip
-            told.append([record["predicted_lamp_mura_contrast"]["value"], record["confidence"]])
+            told.append({
+                "contrast": record["predicted_lamp_mura_contrast"]["value"],
+                "confidence": record["confidence"],
+                "solids_fraction": record["solids_fraction"]["next"],
+                "share_at_limits": record["share_at_limits"],
+            })  # fmt: skip
             job = out / f"{record['name']}.toml"
             plan = read_plan(read_job(job), job)
     return {

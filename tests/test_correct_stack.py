@@ -11,7 +11,8 @@ from mpfcad.backlight.written import stack_tables
 from mpfcad.errors import InputError
 from mpfcad.export import export_folder, write_manifest, write_text
 from mpfcad.job import build_job, read_job
-from mpfcad.pipeline.correct import _fitted, _write_job
+from mpfcad.pipeline.correct.next_job import write_job
+from mpfcad.pipeline.correct.printed import _fitted
 from mpfcad.pipeline.plan.plan import read_plan
 
 
@@ -48,7 +49,7 @@ def test_the_next_job_has_the_fitted_backlight_and_its_covariance(tmp_path, plan
     assert changed.stack["top_sheet_sigma"] == 0.31
     out = tmp_path / "next"
     out.mkdir()
-    _write_job(out, changed, Found(), None, file)
+    write_job(out, changed, Found(), changed.job.given(), None, file)
     job = read_job(out / "printed-corrected.toml")
     again = read_plan(job, out / "printed-corrected.toml")
     assert again.stack.quantity == changed.stack.quantity

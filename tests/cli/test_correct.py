@@ -8,7 +8,7 @@ import pytest
 
 from mpfcad.cli import run_app
 from mpfcad.errors import InputError
-from mpfcad.pipeline.correct import observe_print
+from mpfcad.pipeline.correct.measured import observe_print
 from mpfcad.pipeline.judge import Judging
 from mpfcad.pipeline.progress import Silent
 

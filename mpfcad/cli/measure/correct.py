@@ -1,7 +1,7 @@
 """`mpfcad correct`: the next map after the luminance of a print was measured."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -43,6 +43,15 @@ def command(
             help="Backlight that mpfcad fit found with this print [default: the export's].",
         ),
     ] = None,
+    solids: Annotated[
+        str | None,
+        typer.Option(
+            "--solids",
+            metavar="S|auto",
+            help="Solids fraction of the resin of the next print; auto: the best one near the "
+            "print's [default: the print's].",
+        ),
+    ] = None,
     pitch_mm: Annotated[
         float | None,
         typer.Option(
@@ -66,7 +75,7 @@ def command(
     """Find the next map after a print was measured; write its job, and what changes in the mask."""
     from mpfcad.cli.character import print_json
     from mpfcad.cli.terminal import Terminal
-    from mpfcad.pipeline.correct import correct_print
+    from mpfcad.pipeline.correct.printed import correct_print
     from mpfcad.pipeline.judge import Judging
 
     folder = out or Path("exports") / f"{export.name}-corrected"
@@ -76,7 +85,8 @@ def command(
     with Terminal() as terminal:
         record = correct_print(
             export, measured, judging, folder,
-            process_file=process, stack_file=stack, threads=threads, progress=terminal,
+            process_file=process, stack_file=stack, solids=_solids(solids),
+            threads=threads, progress=terminal,
         )  # fmt: skip
     if json:
         print_json(record)
@@ -90,7 +100,32 @@ def command(
     share = record["share_at_limits"]
     if share > 0:
         low, high = record["curvature_limits_per_mm"]
+        ways = "another mesh or period" if solids else "--solids auto, another mesh or period"
         print(f"C lies at what can be printed, {low:.4g} ... {high:.4g} /mm, over {share:.0%} of "
-              "the pitch: another mesh or period would allow more")  # fmt: skip
+              f"the pitch: {ways} would allow more")  # fmt: skip
+    resin = record["solids_fraction"]
+    if resin["next"] != resin["printed"]:
+        print(f"resin: solids fraction {resin['next']:.4g} instead of {resin['printed']:.4g}")
     print(folder / f"{record['name']}.toml")
     return 0
+
+
+def _solids(text: str | None) -> "float | Literal['auto'] | None":
+    """Return a solids fraction as asked.
+
+    Raises
+    ------
+    InputError
+        when it is none.
+    """
+    from mpfcad.errors import InputError
+
+    if text is None or text == "auto":
+        return text  # type: ignore[return-value]
+    try:
+        found = float(text)
+    except ValueError:
+        found = float("nan")
+    if not 0 < found <= 1:
+        raise InputError(f"--solids: {text}: expected auto, or above 0 up to 1")
+    return found
