@@ -4,12 +4,15 @@ import os
 import signal
 import sys
 
+import numpy as np
 import pytest
 from command import mpfcad
 
 from mpfcad.boundary.apart import apart, tell_stage
+from mpfcad.cad import write_step
 from mpfcad.cli import run_app
 from mpfcad.errors import ExportError, InputError
+from mpfcad.film import Groove, PrismFilm
 
 
 def double(value):
@@ -95,6 +98,17 @@ def test_a_step_file_that_is_none_is_one_line(tmp_path, capfd):
     assert run_app(["trace", str(tmp_path / "a.step")]) == 2
     error = capfd.readouterr().err
     assert error.count("\n") == 1 and "a.step" in error
+
+
+def test_a_step_file_that_crashes_its_kernel_is_one_line(tmp_path):
+    """OCCT dies of a plane whose direction it does not know (signal 11)."""
+    film = PrismFilm(Groove(0.05, 0.025), 0.2, 2.0, "filled", np.array([60.0, 60.0]))
+    write_step(film, tmp_path / "a.step")
+    data = (tmp_path / "a.step").read_bytes()
+    (tmp_path / "a.step").write_bytes(data.replace(b"DIRECTION", b"DIRECTI^N", 1))
+    result = mpfcad("trace", "a.step", cwd=tmp_path)
+    assert result.returncode == 2, result.stderr
+    assert result.stderr.count("\n") == 1 and "a.step: " in result.stderr
 
 
 def test_what_a_library_says_of_a_damaged_file_is_not_printed(tmp_path):

@@ -105,7 +105,7 @@ def command(
         from mpfcad.mask.screen.screen import screen_lines
 
         planned.refuse_formats(chosen, str(job_file), folder)
-        print("\n".join(screen_lines(planned.describe())))
+        print("\n".join([*screen_lines(planned.describe()), *planned.needs(chosen)]))
         return 0
     if compare is not None:
         return _compare(compare, planned)

@@ -16,6 +16,7 @@ from mpfcad.mask.told import Told
 from mpfcad.pipeline.kind import Check, kind_of
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.pipeline.plan.plan import Plan
+from mpfcad.pipeline.plan.printed.mask_need import refuse_mask_need
 from mpfcad.pipeline.plan.printed.picture import Picture
 from mpfcad.pipeline.plan.printed.screen import job_levelling, mask_rules
 from mpfcad.pipeline.plan.size import groove_count
@@ -37,12 +38,24 @@ def plan_mask(plan: Plan) -> Mask | None:
     InputError
         naming the grooves whose aperture or web would be too small.
     """
-    from mpfcad.mask import build_mask
-
     if plan.process is None:
         return None
-    rules = job_rules(plan.job, plan.printed, plan.process, plan.where)
-    return build_mask(plan.printed, plan.process, rules, plan.job.name, plan.where)
+    return mask_of(plan.job, plan.printed, plan.process, plan.where)
+
+
+def mask_of(job: Job, film: PanelFilm, process: Process, where: str) -> Mask:
+    """Return the mask of a job's film.
+
+    Raises
+    ------
+    InputError
+        naming the grooves whose aperture or web would be too small, or what would fit.
+    """
+    from mpfcad.mask import build_mask
+
+    rules = job_rules(job, film, process, where)
+    refuse_mask_need(film, process, rules, job.mask.formats, where)
+    return build_mask(film, process, rules, job.name, where)
 
 
 def job_rules(job: Job, film: PanelFilm, process: Process, where: str) -> MaskRules:

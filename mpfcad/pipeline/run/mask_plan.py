@@ -10,12 +10,13 @@ from mpfcad.backlight import Stack
 from mpfcad.film import FieldFilm, Process, write_curvature_field
 from mpfcad.gate import Gate
 from mpfcad.job import Job
-from mpfcad.mask import Mask, MaskCheck, Phototool, build_mask
+from mpfcad.mask import Mask, MaskCheck, Phototool
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.pipeline.plan.field import FIELD_FILE, has_field, read_field_film
 from mpfcad.pipeline.plan.named_file import check_job_files
 from mpfcad.pipeline.plan.panel_map import FieldMap, asked_of
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
+from mpfcad.pipeline.plan.printed.mask_need import mask_need
 from mpfcad.pipeline.plan.printed.nearest import Asked
 from mpfcad.pipeline.plan.printed.order import (
     ORDER,
@@ -32,7 +33,7 @@ from mpfcad.pipeline.plan.printed.screen import moire_setting, with_own_catalogu
 from mpfcad.pipeline.plan.printed.trial import Proposal
 from mpfcad.pipeline.plan.restored import describe_job, stored_job
 from mpfcad.pipeline.plan.size import groove_count
-from mpfcad.pipeline.run.make import job_rules, plan_mask, refuse_unprintable
+from mpfcad.pipeline.run.make import mask_of, plan_mask, refuse_unprintable
 from mpfcad.record import in_order
 from mpfcad.record.printing import mask_gates, print_gates, printability
 
@@ -128,6 +129,10 @@ class MaskPlan:
         """Return how the job wants its artwork."""
         return phototool(self.job, self.mask, self.process)
 
+    def needs(self, formats: Sequence[str]) -> list[str]:
+        """Return what the files of each mask take at most, a line each."""
+        return [mask_need(one.mask, formats).words for one in self.masks]
+
     def refuse_formats(self, formats: Sequence[str], where: str, folder: Path) -> None:
         """Refuse formats that cannot hold a mask, and a frame too small, before anything is made.
 
@@ -186,7 +191,7 @@ def field_mask_plan(
 ) -> MaskPlan:
     """Return the mask of a map that varies along the grooves too; no piece of it is cut."""
     assert process is not None  # refuse_unprintable saw to that
-    mask = build_mask(film, process, job_rules(job, film, process, where), job.name, where)
+    mask = mask_of(job, film, process, where)
     stored = describe_job(job, stack, calibration)
 
     def write_curvature(folder: Path) -> None:

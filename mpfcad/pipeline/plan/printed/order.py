@@ -18,6 +18,7 @@ from mpfcad.mask.screen.order import (
     order_lines,
     screen_line,
 )
+from mpfcad.pipeline.plan.printed.mask_need import mask_need, refuse_files
 from mpfcad.pipeline.plan.printed.picture import refuse_picture
 from mpfcad.pipeline.plan.printed.screen import moire_setting
 from mpfcad.record.printing import RATIO_LIMIT
@@ -130,6 +131,7 @@ def refuse_mask_formats(
                 f"{', '.join(able)}"
             )
     refuse_large(mask, formats, bare_phototool(job), where)
+    refuse_files(mask_need(mask, formats), where, folder)
     pixel = INCH / job.mask.tif_dpi
     if "tif" in formats and pixel / mask.length > RATIO_LIMIT:
         dpi = INCH / (RATIO_LIMIT * mask.length)
