@@ -18,7 +18,7 @@ WORSE = 1.25
 SHARPER = 0.75
 
 #: Halvings between the largest usual radius that fits and the next.
-_BETWEEN = 3
+_HALVINGS = 3
 #: A stated tip is doubted where a larger one's sum of squares and priors is so much less.
 _DOUBTED = 2.0
 
@@ -67,27 +67,37 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
         # Once a tip is too large, every larger one is.
         if fits[-1].misfit > 2 * min(fit.misfit for fit in fits):
             break
-    fits = _largest_between(fits, fitted)
+    usual, above = _that_fit(fits)
+    usual = _median_first(usual)
+    worn = _between(usual, above, fitted) if above else []
+    fits, _ = _that_fit([*usual, *worn])
+    return TipFits(fits, [f"{why}; {_tip_words(fits)}"], USUAL_ANGLES)
+
+
+def _that_fit(fits: list[Fitted]) -> tuple[list[Fitted], Fitted | None]:
+    """Return the fits that leave nearly as little as the best, and the first that is too large."""
     least = min(fit.misfit for fit in fits)
-    fits = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
-    words = f"{why}; {_tip_words(fits)}"
-    return TipFits(_median_first(fits), [words], USUAL_ANGLES)
+    kept = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
+    largest = max(_radius(fit) for fit in kept)
+    return kept, next((fit for fit in fits if _radius(fit) > largest), None)
 
 
-def _largest_between(fits: list[Fitted], fitted: Fit) -> list[Fitted]:
-    """Return fits, smallest radius first, with some between the largest that fits and the next.
+def _between(usual: list[Fitted], above: Fitted, fitted: Fit) -> list[Fitted]:
+    """Return fits of radii between the largest usual one that fits and the next.
 
     A worn tip is none of the usual ones. Prism tips that are a little round make up for one that
     is too small, but the resin then reads too steep.
     """
-    for _ in range(_BETWEEN):
-        least = min(fit.misfit for fit in fits)
-        kept = [k for k, fit in enumerate(fits) if fit.misfit**2 <= WORSE * least**2]
-        if kept[-1] + 1 == len(fits):
-            return fits
-        low, high = (fit.model.tip.radius if fit.model.tip else 0.0 for fit in fits[kept[-1] :][:2])
-        fits = [*fits[: kept[-1] + 1], fitted(StylusTip((low + high) / 2)), fits[kept[-1] + 1]]
-    return fits
+    low, high, found = max(map(_radius, usual)), _radius(above), list[Fitted]()
+    least = min(fit.misfit for fit in usual)
+    for _ in range(_HALVINGS):
+        found.append(fitted(StylusTip((low + high) / 2)))
+        least = min(least, found[-1].misfit)
+        if found[-1].misfit ** 2 <= WORSE * least**2:
+            low = (low + high) / 2
+        else:
+            high = (low + high) / 2
+    return found
 
 
 def _of_stated(tip: StylusTip, sharp: Fitted, fitted: Fit) -> TipFits | None:
@@ -164,4 +174,8 @@ def _tip_words(fits: Sequence[Fitted]) -> str:
 
 def _radii(fits: Sequence[Fitted]) -> list[float]:
     """Return radii in µm, rising; 0 of a sharp tip."""
-    return sorted(fit.model.tip.radius / um if fit.model.tip else 0.0 for fit in fits)
+    return sorted(_radius(fit) / um for fit in fits)
+
+
+def _radius(fit: Fitted) -> float:
+    return fit.model.tip.radius if fit.model.tip else 0.0
