@@ -80,17 +80,19 @@ CASES = [
 ]
 
 
-def check_share(share, count, most=0.97):
-    """Assert that the share is 0.93 … `most`; a count of it scatters: 2.5 binomial sigma."""
+def check_share(share, count, most=0.97, least=0.93):
+    """Assert that the share is `least` … `most`; a count of it scatters: 2.5 binomial sigma."""
     print(f"{share:.4f} of {count}")
-    assert share >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
+    assert share >= least - 2.5 * np.sqrt(least * (1 - least) / count)
     assert share <= most + 2.5 * np.sqrt(most * (1 - most) / count)
 
 
 def check(shape, contrast, sigma, count):
     rows = simulated(shape, contrast, sigma, count, seed=71)
-    # A wave of a few errors might as well be flat where it is highest, so its interval holds more.
-    check_share(covered(rows, contrast), count, 0.97 if contrast > 10 * sigma else 0.98)
+    # A wave of a few errors might as well be flat where it is highest, so its interval holds more;
+    # of three harmonics the higher ones are lost in the noise, and with them some of the contrast.
+    most, least = (0.97, 0.93) if contrast > 3 * sigma else (0.98, 0.915)
+    check_share(covered(rows, contrast), count, most, least)
     # Bias of the median below 0.15 of a point's error (3σ of the median: 1.25 · 0.35/√count) …
     slack = 3 * 1.25 * 0.35 / np.sqrt(count)
     assert abs(np.median(rows[:, 2]) - contrast) <= (0.15 + slack) * sigma
