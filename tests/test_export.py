@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import signal
@@ -50,6 +51,22 @@ def test_ctrl_c_at_the_beginning_or_the_end_leaves_nothing_hidden(tmp_path, monk
     assert names(tmp_path) == ["e"]
     assert (tmp_path / "e/a.txt").read_text() == ("old" if step == "_hidden" else "new")
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize(
+    "trouble", [OSError(errno.ENOSPC, "No space left"), OSError(errno.EIO, "Input/output error"),
+                OSError("23404 requested and 1554 written")],
+)  # fmt: skip
+def test_a_full_disk_is_one_line_that_names_the_export(tmp_path, trouble):
+    says = r"/e: cannot be written: "
+    with pytest.raises(ExportError, match=says), export_folder(tmp_path / "e", "run"):
+        raise trouble
+    assert names(tmp_path) == []
+
+
+def test_another_error_of_the_system_stays_what_it_is(tmp_path):
+    with pytest.raises(FileNotFoundError), export_folder(tmp_path / "e", "run"):
+        (tmp_path / "none").read_bytes()
 
 
 @pytest.mark.parametrize("trouble", [KeyboardInterrupt, SystemExit, ValueError])

@@ -11,6 +11,7 @@ What lies in an older export and was not made by mpfcad, or was edited since, go
 one.
 """
 
+import errno
 import os
 import re
 import shutil
@@ -22,12 +23,16 @@ from filelock import FileLock, Timeout
 
 from mpfcad.boundary.out import refuse_file_above
 from mpfcad.boundary.signals import signals_wait
-from mpfcad.errors import InputError
+from mpfcad.errors import ExportError, InputError
 from mpfcad.export.exchange import exchange, flush
 from mpfcad.export.manifest import MANIFEST, SIGNATURE, is_own, kind_of, read_entries
 from mpfcad.store.notice import say
 
 _LOCK = ".lock"
+#: What the system says of a disk that takes no more.
+_OF_DISKS = tuple(
+    getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EIO", "EFBIG") if hasattr(errno, name)
+)
 
 
 @contextmanager
@@ -40,6 +45,8 @@ def export_folder(out: Path, kind: str) -> Iterator[Path]:
     ------
     InputError
         when `out` is something else than an export of this kind, or cannot be written.
+    ExportError
+        when the disk gets full, or fails.
     """
     out = Path(out).resolve()
     refuse_foreign(out, kind)
@@ -51,6 +58,12 @@ def export_folder(out: Path, kind: str) -> Iterator[Path]:
         flush(hidden[0])
         with signals_wait():
             _publish(hidden[0], out)
+    except OSError as error:
+        # numpy says how many numbers a full disk took, and no more.
+        if error.errno not in _OF_DISKS and " requested and " not in str(error):
+            raise
+        reason = error.strerror or f"only a part of a file was written ({error})"
+        raise ExportError(f"{out}: cannot be written: {reason}") from None
     finally:
         # Ctrl-C while an older export is cleared away leaves none of it either.
         with signals_wait():

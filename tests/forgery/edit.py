@@ -128,6 +128,20 @@ def edit_page(rng, files: Files) -> Files:
     return {**files, PAGE: (page[: one.start(1)] + "".join(text) + page[one.end(1) :]).encode()}
 
 
+def edit_both(rng, files: Files) -> Files:
+    """Change a figure of the record to another, and to the same one wherever the page shows it."""
+    record, page = json.loads(files[RECORD]), files[PAGE].decode()
+    floats = [p for p in places(record) if type(_leaf(record, p)) is float and _leaf(record, p)]
+    place = rng.choice(floats)
+    old = _leaf(record, place)
+    new = old * (1 + rng.choice((-0.3, 0.5, 0.1, 0.01, -1e-3)))
+    _put(record, place, new)
+    for digits in range(2, 7):
+        shown = re.escape(f"{old:.{digits}g}")
+        page = re.sub(rf"(?<![\d.]){shown}(?!\d)", f"{new:.{digits}g}", page)
+    return {**files, RECORD: json.dumps(record, indent=1).encode(), PAGE: page.encode()}
+
+
 def _edited(rng, data: bytes) -> bytes:
     out = bytearray(data)
     at, how = rng.randrange(len(out)), rng.randrange(4)
@@ -221,5 +235,6 @@ def edit_manifest(rng: random.Random, manifest: dict) -> None:
 #: Ways to forge, each as often as it stands here.
 WAYS = (
     [edit_record] * 40 + [edit_verdict] * 12 + [edit_job] * 6 + [edit_page] * 14 + [edit_map] * 10
-    + [edit_picture] * 4 + [edit_solid] * 4 + [edit_names] * 6 + [edit_manifest] * 4
+    + [edit_both] * 10 + [edit_picture] * 4 + [edit_solid] * 4 + [edit_names] * 6
+    + [edit_manifest] * 4
 )  # fmt: skip

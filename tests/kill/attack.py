@@ -84,6 +84,8 @@ COMMANDS = {
     "correct": (RUN, ["correct", "export", "--measured", "m.csv", "--threads", "1"]),
     "fit": (FIT, ["fit", "job.toml", "--effort", "quick", "--threads", "1"]),
 }
+#: What kills, in turn.
+SIGNALS = (signal.SIGINT, signal.SIGKILL, signal.SIGTERM, signal.SIGKILL)
 #: Time of a processor that no command takes [s].
 LONGEST = 600.0
 #: Share of the kills that come at a command's end, where it writes its files, and how much of its
@@ -249,10 +251,10 @@ def kill_once(killed: Killed, rng: random.Random, sent: int) -> bool:
     assert content(out) in killed.versions, killed.arguments
     left = [path for path in out.parent.iterdir() if path != out]
     assert all(path.name.startswith(".a.") for path in left), left
-    if sent == signal.SIGINT:
+    if sent != signal.SIGKILL:
         own = set(left) - before
         code = os.waitstatus_to_exitcode(status)
-        assert not own or code == -signal.SIGINT, (code, own)
+        assert not own or code == -sent, (code, own)
     assert not refused_work(killed.cache)
     return hit
 
@@ -272,7 +274,7 @@ def attack(
     seconds: float = 1e9,
     told: Callable[[str], None] = lambda line: None,
 ) -> tuple[int, int]:
-    """Return how many kills were sent and how many hit; two thirds SIGKILL, a third SIGINT.
+    """Return how many kills were sent and how many hit.
 
     It ends with the hit number `kills`. `told` gets a line after each: how long the command takes,
     kills and hits so far.
@@ -284,7 +286,7 @@ def attack(
         renew(killed)
         sent, hits, end = 0, 0, time.monotonic() + seconds
         while hits < kills and time.monotonic() < end:
-            hit = kill_once(killed, rng, signal.SIGKILL if sent % 3 else signal.SIGINT)
+            hit = kill_once(killed, rng, SIGNALS[sent % len(SIGNALS)])
             sent, hits = sent + 1, hits + hit
             if not hit or rng.random() < ENDS:
                 end_once(killed)
