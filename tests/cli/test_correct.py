@@ -36,6 +36,10 @@ def files(tmp_path, monkeypatch):
         (["empty", "--measured", "m.csv", "--lamp-at-mm", "3", "--out", "full"], "full: folder"),
         (["empty", "--measured", "m.csv", "--lamp-at-mm", "3", "--pixel-mm", "1", "--crop", "1"],
          "--crop"),
+        (["empty", "--measured", "m.csv", "--lamp-at-mm", "3", "--solids", "2"],
+         "--solids: 2: expected auto, or above 0 up to 1"),
+        (["empty", "--measured", "m.csv", "--lamp-at-mm", "3", "--solids", "thin"],
+         "--solids: thin"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line(files, capsys, arguments, words):
