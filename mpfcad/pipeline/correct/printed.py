@@ -87,9 +87,7 @@ def correct_print(
         )
         for resin in resins
     ]  # fmt: skip
-    # Of those that are as good the first: the print's own resin, then what is nearest to it.
-    best = min(reprint.contrast[0] for reprint in reprints) + _AS_GOOD
-    number = next(i for i, reprint in enumerate(reprints) if reprint.contrast[0] <= best)
+    number = _chosen(reprints, limit)
     resin, reprint = resins[number], reprints[number]
     record = _record(plan, found, reprint, limit) | {
         "share_at_limits": _share_at_limits(reprint, resin.constraint),
@@ -196,6 +194,19 @@ def _response(
             progress=progress.stage,
         )
     )  # fmt: skip
+
+
+def _chosen(reprints: list[Reprint], limit: float) -> int:
+    """Return the number of the first map that is surely within the limit, else of the best one.
+
+    The first is that of the print's own resin, the next those of resin nearest to it: what was
+    measured tells most of maps like the printed one.
+    """
+    for number, reprint in enumerate(reprints):
+        if reprint.contrast[2] <= limit:
+            return number
+    best = min(reprint.contrast[0] for reprint in reprints) + _AS_GOOD
+    return next(i for i, reprint in enumerate(reprints) if reprint.contrast[0] <= best)
 
 
 def _share_at_limits(reprint: Reprint, constraint: Constraint) -> float:
