@@ -6,9 +6,10 @@ import numpy as np
 import psutil
 import pytest
 from command import SMALL_STACK
+from few_paths import few_paths
 
 from mpfcad.job import read_job
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job
+from mpfcad.pipeline import run_job
 
 #: What one more job may leave behind [bytes]: a thousand of them 20 MB.
 GROWTH = 20_000
@@ -38,9 +39,9 @@ def run_many(folder, count, every):
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [100, 1000])
 def test_jobs_leave_nothing_in_memory(tmp_path, monkeypatch, count):
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 20_000))
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
-    number, memory, handles, threads = run_many(tmp_path, count, count // 10).T
+    with few_paths():
+        number, memory, handles, threads = run_many(tmp_path, count, count // 10).T
     later = number > 0.3 * count  # the first ones fill caches of fixed size
     assert np.polyfit(number[later], memory[later], 1)[0] < GROWTH
     assert np.ptp(handles[later]) <= 2 and np.ptp(threads[later]) <= 2

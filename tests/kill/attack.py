@@ -23,12 +23,11 @@ from unittest import mock
 import numpy as np
 import psutil
 from command import SMALL_STACK, content
+from few_paths import few_paths
 
 from mpfcad.cli import run_app
 from mpfcad.design.grid import Grid
 from mpfcad.export import check_manifest
-from mpfcad.measure import luminance, rounds
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.design import work
 from mpfcad.pipeline.fit import tracer
 from mpfcad.store import Store
@@ -100,11 +99,9 @@ def quick(cache: Path) -> Iterator[None]:
     """Trace as little as can be, and keep work in a folder of this test."""
     with (
         mock.patch.dict(os.environ, MPFCAD_CACHE=str(cache)),
-        mock.patch.dict(TRACE_SETTINGS, quick=TraceSetting(1.0, 20_000)),
+        few_paths(),
         mock.patch.dict(tracer.ROUND_PATHS, quick=0.05),
         mock.patch.object(tracer, "_POSITION", np.linspace(0, 1, 17)),
-        mock.patch.object(luminance, "_ENERGY_BLOCKS", 4),
-        mock.patch.object(rounds, "_LEAST_PATHS", 1),
         mock.patch.object(work, "Grid", lambda: Grid(cells=18, across=8, along=2)),
     ):
         yield

@@ -5,6 +5,7 @@ import pytest
 from harness import film_file, groove
 
 from mpfcad.backlight import read_stack
+from mpfcad.errors import ExportError
 from mpfcad.measure import Checkpoints, TraceRun, light_film, luminance_over_pitch
 from mpfcad.store import Store
 
@@ -142,13 +143,13 @@ def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr("mpfcad.report.write_report", full)
-        with pytest.raises(OSError, match="No space"):
+        with pytest.raises(ExportError, match="/out: cannot be written: No space"):
             run(Seen())
     assert not (tmp_path / "out").exists()
     assert len(entries(tmp_path / "cache" / "trace")) >= 2
     with monkeypatch.context() as patch:
         patch.setattr("mpfcad.export.folder._publish", full)
-        with pytest.raises(OSError, match="No space"):
+        with pytest.raises(ExportError, match="/out: cannot be written: No space"):
             run(Seen())
     seen = Seen()
     run(seen)
