@@ -18,7 +18,8 @@ from mpfcad.units import um
 
 #: A trace whose residual exceeds this share of its own standard deviation shows no such groove.
 UNEXPLAINED = 0.5
-#: Standard deviations of the grooves' C, as shares of their mean, that are said, and refused.
+#: Standard deviations of the grooves' C, as shares of their mean or of half of what just covers the
+#: walls, if that is more, that are said, and refused.
 _DIFFER, _UNLIKE = 0.08, 0.2
 #: Grooves that differ by chance alone have a sum of squares as this share of χ².
 _CHANCE = 0.999
@@ -80,14 +81,14 @@ def _differing(trace: StylusTrace, fit: Fitted) -> list[str]:
     each = fit.curvature_of_each
     if fit.model.grooves < OWN_FILL:
         return []
-    mean = float(np.mean(each))
-    share = float(np.std(each)) / max(mean, 1e-9)
+    mean, spread = float(np.mean(each)), float(np.std(each))
+    share = spread / max(mean, fit.model.groove.curvature_covered / 2)
     if share < _DIFFER or not _differ(fit):
         return []
     far = int(np.argmax(np.abs(each - mean)))
     words = (
-        f"the grooves' C are {each.min():.3g} … {each.max():.3g} /mm, ± {share:.0%} from groove to "
-        f"groove; groove {np.flatnonzero(fit.whole)[far] + 1} is farthest from the mean"
+        f"the grooves' C are {each.min():.3g} … {each.max():.3g} /mm, ± {spread:.2g} /mm from "
+        f"groove to groove; groove {np.flatnonzero(fit.whole)[far] + 1} is farthest from the mean"
     )
     if share > _UNLIKE:
         raise InputError(f"{trace.name}: z_um: {words}: expected grooves alike, of one coupon")
