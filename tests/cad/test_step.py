@@ -55,7 +55,8 @@ def test_fused_film_is_one_body_of_the_whole_volume(make_film, tmp_path, curvatu
         demand(check_step(path, film).gates)
 
 
-@pytest.mark.parametrize("depth", [0.025, pytest.param(0.0213, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("depth", [0.025, 0.0213])
 def test_far_from_the_origin_volumes_hold_to_1e_9(tmp_path, depth):
     groove = Groove(0.050, depth)
     curvature = np.full(7846, groove.curvature_empty)

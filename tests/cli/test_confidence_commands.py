@@ -107,6 +107,7 @@ def test_measure_carries_the_jobs_own_widths_and_keeps_what_it_found(place, caps
     assert {path.name: path.read_bytes() for path in out.iterdir()} == whole
 
 
+@pytest.mark.slow
 def test_compare_states_it_of_every_case(place, capsys):
     assert app("compare", "job.toml", "thesis-32in-mpf", "--confidence") == 0
     out = capsys.readouterr().out

@@ -42,7 +42,7 @@ def test_a_reader_that_goes_away_changes_neither_code_nor_errors(folder):
     assert result.stdout.splitlines()[-1] == "2"
 
 
-@pytest.mark.parametrize("closed", ["2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", [pytest.param("2>&-", marks=pytest.mark.slow), "<&- >&- 2>&-"])
 def test_streams_that_are_closed_from_the_start(folder, closed):
     result = shell(f"mpfcad mask job.toml --format oas {closed}; echo $?", folder)
     assert result.stdout.splitlines()[-1] == "0"

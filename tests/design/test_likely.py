@@ -91,6 +91,7 @@ def test_both_designs_are_judged_on_the_same_draws_and_the_likelier_is_chosen(wo
     assert not asked and again.record == record
 
 
+@pytest.mark.slow
 def test_draws_are_the_same_for_any_map(work):
     made, asked = work
     [one] = nominal(made)
