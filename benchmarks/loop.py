@@ -48,10 +48,13 @@ class Factory:
     log_fill: NDArray[np.float64]
     rng: np.random.Generator
 
-    def fill(self, process, ratio):
-        """Return what fill fraction apertures give here, where the job's process says another."""
+    def fill(self, process, ratio, thinner=1.0):
+        """Return what fill fraction apertures give here, where the job's process says another.
+
+        `thinner`: solids of the resin over those of the process.
+        """
         off = np.interp(ratio, self.ratio, self.log_fill)
-        return np.clip(process.fill_fraction(ratio) * np.exp(off), 0, 0.999)
+        return np.clip(process.fill_fraction(ratio) * thinner * np.exp(off), 0, 0.999)
 
 
 def draw_factory(variants, process, seed: int) -> Factory:
@@ -75,7 +78,9 @@ def printed(factory: Factory, variants, plan, process, folder: Path):
 
     change = {f.name: z * f.sigma for f, z in zip(factory.factors, factory.steps, strict=True)}
     piece, groove = plan.piece, plan.piece.groove
-    fill = factory.fill(process, plan.process.aperture_ratio_of_curvature(piece.curvature))
+    ratio = plan.process.aperture_ratio_of_curvature(piece.curvature)
+    thinner = plan.job.process.solids_fraction / variants.plan.job.process.solids_fraction
+    fill = factory.fill(process, ratio, thinner)
     made = replace(groove, depth=groove.depth + change["depth_um"] / 1000)
     # As in the confidence: the resin of an area is stated, so the share of the groove.
     film = replace(
