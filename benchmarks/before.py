@@ -34,6 +34,14 @@ COMMANDS = {
         "trace", "film.stl", "--stack", "thesis-32in-mpf", "--effort", "quick", "--seed", "{seed}",
         "--threads", "1",
     ],
+    "trace, full stack, standard": [
+        "trace", "film.stl", "--stack", "thesis-32in-mpf", "--effort", "standard", "--seed",
+        "{seed}", "--threads", "1",
+    ],
+    "trace, MPF-Plate, standard": [
+        "trace", "film.stl", "--stack", "thesis-32in-mpf-plate", "--effort", "standard", "--seed",
+        "{seed}", "--threads", "1",
+    ],
     "panel's mask, OASIS, written and checked": ["mask", "panel.toml", "--format", "oas"],
     "panel's STL, written and checked": ["cad", "panel.toml", "--format", "stl"],
     "README's first command, quick": [

@@ -1,6 +1,7 @@
 """STEP, read and tessellated by Open CASCADE: a body a solid, facets within a slope."""
 
 import os
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,7 @@ def read_step(path: Path, data: bytes) -> MeshFile:
 def read_solids(path: Path, data: bytes) -> list[Body]:
     """Return the solids as facets [mm]; the kernel crashes at some damaged files."""
     shape = _shape(path, data)
+    _refuse_losses(path, data, shape)
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopAbs import TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
@@ -57,6 +59,44 @@ def read_solids(path: Path, data: bytes) -> list[Body]:
         bodies.append(_body(path, TopoDS.Solid(walk.Current()), len(bodies) + 1))
         walk.Next()
     return bodies
+
+
+def _refuse_losses(path: Path, data: bytes, shape: Any) -> None:
+    """Refuse a file of whose faces, closed shells or solids the kernel has left some out.
+
+    It passes over what it does not understand, an edge with a damaged name, say, and closes what is
+    left as well as it can: another film.
+    """
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
+
+    solid = _distinct(shape, TopAbs_SOLID)
+    shells = sum(len(_distinct(each, TopAbs_SHELL)) for each in solid)
+    for what, names, found in (
+        ("faces", b"ADVANCED_FACE|FACE_SURFACE", len(_distinct(shape, TopAbs_FACE))),
+        ("closed shells", b"CLOSED_SHELL", shells),
+        ("solids", b"MANIFOLD_SOLID_BREP|FACETED_BREP|BREP_WITH_VOIDS", len(solid)),
+    ):
+        named = len(re.findall(rb"=\s*(?:%s)\s*\(" % names, data))
+        if found < named:
+            raise InputError(
+                f"{path}: STEP: {found} of {named} {what} can be read: expected a file without "
+                "damage"
+            )
+
+
+def _distinct(shape: Any, kind: Any) -> list[Any]:
+    """Return the parts of a kind; one that stands in several places once."""
+    from OCP.TopExp import TopExp_Explorer
+
+    found: dict[int, Any] = {}
+    walk = TopExp_Explorer(shape, kind)
+    while walk.More():
+        part = walk.Current()
+        # What places share is one object, as long as it is held.
+        own = part.TShape()
+        found.setdefault(id(own), (own, part))
+        walk.Next()
+    return [part for _, part in found.values()]
 
 
 def _parameters() -> Any:
