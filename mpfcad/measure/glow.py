@@ -70,11 +70,8 @@ def find_glow(
         return None
     needed = max(2.0, blocks * noise / before)
     shape, mean = _apart(_common(pilot.lit, tally, pilot.error**2 * _PILOT[0]))
-    size = (
-        needed
-        / noise
-        * max(float(np.linalg.eigvalsh(shape)[-1]) / _TO_WAVE, mean * len(shape) / _TO_MEAN)
-    )
+    wave = float(np.linalg.eigvalsh(shape)[-1])
+    size = max(wave / _TO_WAVE, mean * len(shape) / _TO_MEAN) * needed / noise
     table = max(_PILOT[0], int(np.ceil(size)))
     cost = table * _PLACES + _SHORT * needed * len(source.position)
     if cost > _WORTH * blocks * len(source.position):
@@ -113,7 +110,7 @@ def _table(lit: Lit, run: TraceRun, blocks: int) -> "Tally":
     """Return the tally of a table of so many blocks or a few more."""
     run = replace(run, path_limit=10**15)
     return trace_rounds(
-        lit, _places(lit), run, lambda tally: 1 / tally.blocks, 1 / blocks, "reflector, 1/{:.4f}"
+        lit, _places(lit), run, lambda tally: 1 / tally.blocks, 1 / blocks, "light at the reflector"
     )
 
 
