@@ -27,7 +27,7 @@ def read_eulumdat(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     """
     lines = text.splitlines()
     symmetry, planes, angles, sets = (
-        int(_number(where, lines, at)) for at in (_SYMMETRY, _PLANES, _ANGLES, _SETS)
+        _whole(where, lines, at) for at in (_SYMMETRY, _PLANES, _ANGLES, _SETS)
     )
     for at, given, least, most in (
         (_SYMMETRY, symmetry, 0, 4), (_PLANES, planes, 1, 721), (_ANGLES, angles, 2, 1801),
@@ -39,6 +39,11 @@ def read_eulumdat(where: str, text: str) -> tuple[NDArray, NDArray, NDArray]:
     azimuth = _numbers(where, lines, start, planes)
     polar = _numbers(where, lines, start + planes, angles)
     stored = _stored(symmetry, azimuth)
+    if len(stored) == 0:
+        raise InputError(
+            f"{where}: line {start + 1}: planes {azimuth[0]:g} … {azimuth[-1]:g}°: expected those "
+            f"of symmetry {symmetry}"
+        )
     count = len(stored) * angles
     value = _numbers(where, lines, start + planes + angles, count).reshape(-1, angles)
     return polar, *_expanded(symmetry, stored, value)
@@ -65,6 +70,13 @@ def _expanded(symmetry: int, stored: NDArray, value: NDArray) -> tuple[NDArray, 
     every = np.concatenate(mirrored) % 360
     found, first = np.unique(np.round(every, 6), return_index=True)
     return found, np.concatenate([value] * len(mirrored))[first]
+
+
+def _whole(where: str, lines: list[str], at: int) -> int:
+    found = _number(where, lines, at)
+    if found != round(found):
+        raise InputError(f"{where}: line {at + 1}: {found:g}: expected a whole number")
+    return int(found)
 
 
 def _numbers(where: str, lines: list[str], start: int, count: int) -> NDArray[np.float64]:

@@ -119,17 +119,17 @@ def _of_stated(tip: StylusTip, sharp: Fitted, fitted: Fit) -> TipFits | None:
         sharper = fitted(replace(tip, radius=SHARPER * tip.radius))
         if sharper.misfit <= 0.98 * told.misfit:
             return None
-    blunter = _blunter(tip, told, fitted)
+    blunter, off = _blunter(tip, told, fitted), tip.radius_off
+    ends = [replace(tip, radius=max(tip.radius + part, 0.0)) for part in (-off, off) if off]
+    edges = list(map(fitted, ends))
     if blunter:
         words = (
             f"the prism tips look rounded by {told.value[ROUNDING] / um:.2g} µm beside the stated "
             f"tip of {tip.radius / um:g} µm; one of {_radii(blunter)[-1]:.3g} µm is likelier: the "
             "interval holds both"
         )
-        return TipFits(_median_first([told, *blunter]), [words], (tip.angle,))
-    off = tip.radius_off
-    edges = [replace(tip, radius=max(tip.radius + part, 0.0)) for part in (-off, off) if off]
-    return TipFits([told, *map(fitted, edges)], [], (tip.angle,))
+        return TipFits([*_median_first([told, *blunter]), *edges], [words], (tip.angle,))
+    return TipFits([told, *edges], [], (tip.angle,))
 
 
 def _blunter(tip: StylusTip, told: Fitted, fitted: Fit) -> list[Fitted]:

@@ -234,7 +234,8 @@ def _polarisation(record: Record, folder: Path) -> Record:
           for angle, one in zip(found["polariser_angle_deg"], found["behind_polariser_cd_m2"],
                                 strict=True)),
         *((f"Q/I of the power at {band:g} nm", one, 3)
-          for band, one in zip(*bands.values(), strict=True) if one is not None),
+          for band, one in zip(bands["wavelength_nm"], bands["along_minus_across"], strict=True)
+          if one is not None),
     ]  # fmt: skip
     return {"rows": _rows(rows), "paths": found["paths"]}
 
