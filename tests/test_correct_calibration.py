@@ -56,7 +56,7 @@ def test_the_next_job_reads_the_coupons_as_the_correction_did(tmp_path, plan, te
     file.write_text(text)
     process = printed_process(plan, file)
     resin = find_resin(plan, _design(plan), file, file)
-    assert resin.solids == (1.0 if text is TABLE else 0.5)
+    assert resin.solids_for(plan) == 0.5
     out = tmp_path / "next"
     out.mkdir()
     write_job(out, plan, Found(), resin.document, file, None)

@@ -1,10 +1,11 @@
 """Paths of a meter that end on the reflector, with the mean of what others find from there.
 
 Most of what a path costs, and of its noise, comes after it first meets a white reflector. What it
-finds from there depends on the place alone: one table over the lamp pitch serves all points
-(`optics/cavity/glow`). Of the reference stacks each path then takes half the time and the harmonics
-of the luminance half the paths. The table's own noise is common to all points. So much of it is
-traced that it adds little; the errors of points and mean hold the rest.
+finds from there depends on the place alone, and where all films repeat with the lamps on the place
+within a lamp pitch: one table serves all points (`optics/cavity/glow`). Of the reference stacks
+each path then takes half the time and the harmonics of the luminance half the paths. The table's
+own noise is common to all points. So much of it is traced that it adds little; the errors of points
+and mean hold the rest.
 """
 
 from dataclasses import dataclass, replace
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.measure.meter import has_equal_grooves
 from mpfcad.measure.rounds import Lit, TraceRun, trace_lit, trace_rounds
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ _PLACES = 64
 _PILOT = 2, 4
 #: What the table may add, in shares of their own variance, to any wave of the curve, to the mean.
 _TO_WAVE, _TO_MEAN = 0.05, 3.0
+#: A pitch of whole grooves is off the lamps' by no more; the paths of a round are no fewer.
+_SAME_PITCH, _LEAST = 0.002, 270_000
 #: Time of a path that ends on the reflector, over that of one that goes on; what must be saved.
 _SHORT, _WORTH = 0.5, 0.8
 
@@ -63,6 +67,8 @@ def find_glow(
 
     `plain` is a tally of the meter without one, of which some `blocks` would be needed.
     """
+    from mpfcad.optics.engine import BLOCK
+
     pilot = _pilot(lit, source, run)
     tally = trace_lit(pilot.lit, source, _PILOT[1], seed=run.seed, threads=run.threads)
     noise, before = _of_block(tally), _of_block(plain)
@@ -72,7 +78,7 @@ def find_glow(
     shape, mean = _apart(_common(pilot.lit, tally, pilot.error**2 * _PILOT[0]))
     wave = float(np.linalg.eigvalsh(shape)[-1])
     size = max(wave / _TO_WAVE, mean * len(shape) / _TO_MEAN) * needed / noise
-    table = max(_PILOT[0], int(np.ceil(size)))
+    table = max(-(-_LEAST // (_PLACES * BLOCK)), int(np.ceil(size)))
     cost = table * _PLACES + _SHORT * needed * len(source.position)
     if cost > _WORTH * blocks * len(source.position):
         return None
@@ -89,7 +95,27 @@ def can_glow(lit: Lit) -> bool:
         return False
     if len(scene.kind) == 0 or scene.kind[0] != CAVITY or scene.parameter[0, BRDF] >= 0:
         return False
-    return bool(scene.parameter[0, REFLECTANCE] * (1 - scene.parameter[0, SPECULAR_FRACTION]) > 0)
+    if scene.parameter[0, REFLECTANCE] * (1 - scene.parameter[0, SPECULAR_FRACTION]) <= 0:
+        return False
+    return _repeats(lit)
+
+
+def _repeats(lit: Lit) -> bool:
+    """Return whether all films repeat with the lamp pitch, and are alike along it."""
+    from mpfcad.optics.element import CELL_FILM, LIBRARY_FILM, Film
+
+    if np.isin(lit.scene.kind, (CELL_FILM, LIBRARY_FILM)).any():
+        return False
+    pitch = lit.stack.period.across
+    for film in lit.elements:
+        if not isinstance(film, Film) or has_equal_grooves(film.mesh):
+            continue
+        times = round(pitch / film.mesh.size[0])
+        is_whole = abs(times * film.mesh.size[0] / pitch - 1) <= _SAME_PITCH
+        along = film.mesh.vertex[np.unique(film.mesh.top), 1]
+        if film.rotation != 0 or not is_whole or len(np.unique(np.round(along, 6))) > 2:
+            return False
+    return True
 
 
 def _places(lit: Lit) -> "Source":
@@ -108,10 +134,13 @@ def _pilot(lit: Lit, source: "Source", run: TraceRun) -> Glow:
 
 def _table(lit: Lit, run: TraceRun, blocks: int) -> "Tally":
     """Return the tally of a table of so many blocks or a few more."""
-    run = replace(run, path_limit=10**15)
+    from mpfcad.optics.engine import BLOCK
+
+    run = replace(run, path_limit=blocks * _PLACES * BLOCK)
     return trace_rounds(
-        lit, _places(lit), run, lambda tally: 1 / tally.blocks, 1 / blocks, "light at the reflector"
-    )
+        lit, _places(lit), run, lambda tally: tally.blocks**-0.5, blocks**-0.5,
+        "light at the reflector",
+    )  # fmt: skip
 
 
 def _glow(lit: Lit, tally: "Tally") -> Glow:

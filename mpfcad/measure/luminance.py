@@ -59,7 +59,8 @@ class LuminanceResult:
         shares of the lamps' light from a forward trace: in = 1, out, absorbed (and by element),
         lost
     paths
-        backward paths traced
+        backward paths that the figures rest on, a table's among them; without those that only tell
+        how many are needed
     accelerator
         how the meshes were traced: one of `tile.ACCELERATORS`, or each way that was taken
     convergence
@@ -190,8 +191,11 @@ class _Reader:
             times = min(times, (expected / goal) ** 2)
         if times > _MANY:
             self._glow = find_glow(self._lit, self._source, run, tally, times * tally.blocks)
+        if self._glow is None:
+            return self._round(run, goal)
         self._known.clear()
-        return self._round(run, goal)
+        most = max(run.path_limit - self._glow.paths, run.path_limit // 2)
+        return self._round(replace(run, path_limit=most), goal)
 
     def _round(self, run: TraceRun, goal: float) -> "Tally":
         return trace_rounds(

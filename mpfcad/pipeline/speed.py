@@ -6,7 +6,8 @@ from mpfcad.measure import TraceRun, luminance_over_pitch
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.run.examine import light_baseline
 
-_PATHS = 300_000
+#: One round of paths to their end: no more, lest a part of them end on the reflector.
+_PATHS = 270_000
 
 
 def trace_speed() -> tuple[float, float]:

@@ -75,3 +75,17 @@ def test_ies_files_of_every_year_are_one_table(tmp_path, head):
     found = read_emission("x", tmp_path, "led.ies")
     assert found[0, 0] == pytest.approx(100)
     assert found.max() == pytest.approx(100)
+
+
+def test_a_symmetry_without_its_planes_names_the_line():
+    lines = eulumdat(3).splitlines()
+    lines[3] = "1"
+    with pytest.raises(InputError, match=r"t: line \d+: planes .*: expected those of symmetry 3"):
+        read_eulumdat("t", "\n".join([*lines[:42], "120", *lines[43:]]))
+
+
+def test_counts_are_whole_numbers():
+    lines = eulumdat(2).splitlines()
+    lines[2] = "1.7"
+    with pytest.raises(InputError, match=r"t: line 3: 1\.7: expected a whole number"):
+        read_eulumdat("t", "\n".join(lines))

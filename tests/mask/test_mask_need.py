@@ -84,6 +84,19 @@ def test_the_command_says_it_and_refuses_it_before_it_builds(tmp_path, monkeypat
     assert not out.exists()
 
 
+def test_formats_that_are_not_asked_for_do_not_count(tmp_path, monkeypatch):
+    """GDSII lists what OASIS need not: only what is written is refused."""
+    asked = []
+    monkeypatch.setattr(
+        "mpfcad.pipeline.run.make.refuse_mask_need",
+        lambda film, process, rules, formats, where: asked.append(tuple(formats)),
+    )
+    job = tmp_path / "job.toml"
+    job.write_text('name = "a"\n[map]\ncurvature_per_mm = 60.0\n[mask]\nformats = ["gds"]\n')
+    assert run_app(["mask", str(job), "--plan"]) == 0
+    assert asked == [("oas",)]
+
+
 def test_a_full_disk_is_seen_before_work(tmp_path, monkeypatch, capsys):
     job = tmp_path / "job.toml"
     job.write_text('name = "a"\n[map]\ncurvature_per_mm = 60.0\n')

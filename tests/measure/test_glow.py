@@ -88,6 +88,20 @@ def test_a_scene_without_white_reflector_has_no_table(mesh):
     assert not can_glow(light_film(mirror, mesh))
 
 
+def test_films_must_repeat_with_the_lamps(tmp_path):
+    """A table holds one lamp pitch: it would be wrong of films that differ from one to the next."""
+    stack = read_stack("thesis-32in-mpf")
+    pitch = round(stack.period.across / 0.05)
+    grooves = np.where(np.arange(2 * pitch) < pitch, 75.0, 60.0)
+    both = film_file(tmp_path / "two.stl", [groove(c) for c in grooves], base=0.2)
+    assert not can_glow(light_film(stack, both))
+    shape = 60 + 5 * np.cos(2 * np.pi * np.arange(pitch) / pitch)
+    one = film_file(tmp_path / "one.stl", [groove(c) for c in shape], base=0.2)
+    assert can_glow(light_film(stack, one))
+    short = film_file(tmp_path / "short.stl", [groove(c) for c in shape[:400]], base=0.2)
+    assert not can_glow(light_film(stack, short))
+
+
 def test_a_table_that_saves_no_time_is_not_made(mesh):
     lit = light(mesh, "sheets")
     plain = trace_lit(lit, meter(lit), 4, seed=5)

@@ -48,8 +48,8 @@ def command(
         typer.Option(
             "--solids",
             metavar="S|auto",
-            help="Solids fraction of the resin of the next print; auto: the best one near the "
-            "print's [default: the print's].",
+            help="Solids fraction of the resin of the next print; auto: the nearest to the "
+            "print's that serves, or the best [default: the print's].",
         ),
     ] = None,
     pitch_mm: Annotated[

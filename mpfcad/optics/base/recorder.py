@@ -23,7 +23,8 @@ class Tally(NamedTuple):
         sums, a point
     flow, flow2
         (f,) float64, sum of the weights (start: 1 a path) that ended as each of `FLOWS` and in each
-        element, and of the squares of the blocks' sums
+        element, and of the squares of the blocks' sums; of a scene with a glow after them the
+        weights that ended by it, by point and place (`cavity.glow`)
     paths, blocks
         paths a point; in how many blocks of equal size
     """

@@ -53,8 +53,8 @@ def correct_print(
 
     `process_file`: a calibration from coupons of this print; the printed curvature is then what it
     makes of the mask's aperture ratios. `stack_file`: the backlight that `mpfcad fit` found with
-    this print, in the place of the export's. `solids`: of the resin of the next print; "auto": that
-    of `LADDER` with which the next map is predicted to be best; None: that of this print.
+    this print, in the place of the export's. `solids`: of the resin of the next print; "auto": the
+    nearest of `LADDER` that serves, else the best; None: that of this print.
 
     Raises
     ------
@@ -92,7 +92,10 @@ def correct_print(
     record = _record(plan, found, reprint, limit) | {
         "share_at_limits": _share_at_limits(reprint, resin.constraint),
         "curvature_limits_per_mm": [resin.constraint.curvature_min, resin.constraint.curvature_max],
-        "solids_fraction": {"printed": plan.job.process.solids_fraction, "next": resin.solids},
+        "solids_fraction": {
+            "printed": plan.job.process.solids_fraction,
+            "next": resin.solids_for(plan),
+        },
     }
     with export_folder(out, "correct") as folder:
         write_job(folder, plan, reprint, resin.document, process_file, stack_file)

@@ -42,9 +42,10 @@ class Resin:
     process: Process
     constraint: Constraint
 
-    @property
-    def solids(self) -> float:
-        """The share of the resin that stays."""
+    def solids_for(self, plan: Plan) -> float:
+        """Return the share of solids of the next print: of a table that of the resin printed."""
+        if self.process.kind == "table":
+            return plan.job.process.solids_fraction
         return float(self.document.get("process", {}).get("solids_fraction", 1.0))
 
 

@@ -62,20 +62,18 @@ def read_solids(path: Path, data: bytes) -> list[Body]:
 
 
 def _refuse_losses(path: Path, data: bytes, shape: Any) -> None:
-    """Refuse a file of whose faces, closed shells or solids the kernel has left some out.
+    """Refuse a file of whose faces or solids the kernel has left some out.
 
     It passes over what it does not understand, an edge with a damaged name, say, and closes what is
     left as well as it can: another film.
     """
-    from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
 
-    solid = _distinct(shape, TopAbs_SOLID)
-    shells = sum(len(_distinct(each, TopAbs_SHELL)) for each in solid)
-    for what, names, found in (
-        ("faces", b"ADVANCED_FACE|FACE_SURFACE", len(_distinct(shape, TopAbs_FACE))),
-        ("closed shells", b"CLOSED_SHELL", shells),
-        ("solids", b"MANIFOLD_SOLID_BREP|FACETED_BREP|BREP_WITH_VOIDS", len(solid)),
+    for what, names, kind in (
+        ("faces", b"ADVANCED_FACE|FACE_SURFACE", TopAbs_FACE),
+        ("solids", b"MANIFOLD_SOLID_BREP|FACETED_BREP|BREP_WITH_VOIDS", TopAbs_SOLID),
     ):
+        found = _distinct(shape, kind)
         named = len(re.findall(rb"=\s*(?:%s)\s*\(" % names, data))
         if found < named:
             raise InputError(
@@ -84,19 +82,18 @@ def _refuse_losses(path: Path, data: bytes, shape: Any) -> None:
             )
 
 
-def _distinct(shape: Any, kind: Any) -> list[Any]:
-    """Return the parts of a kind; one that stands in several places once."""
+def _distinct(shape: Any, kind: Any) -> int:
+    """Return how many parts of a kind there are; one that stands in several places counts once."""
     from OCP.TopExp import TopExp_Explorer
 
     found: dict[int, Any] = {}
     walk = TopExp_Explorer(shape, kind)
     while walk.More():
-        part = walk.Current()
         # What places share is one object, as long as it is held.
-        own = part.TShape()
-        found.setdefault(id(own), (own, part))
+        own = walk.Current().TShape()
+        found[id(own)] = own
         walk.Next()
-    return [part for _, part in found.values()]
+    return len(found)
 
 
 def _parameters() -> Any:
