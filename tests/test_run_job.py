@@ -270,8 +270,18 @@ def test_a_forged_page_or_picture_is_found_though_every_hash_holds(own, tmp_path
 @pytest.mark.parametrize(
     ("table", "change", "said"),
     [
-        ("versions", {"mpfcad": "0.1.0"}, r"made by mpfcad 0\.1\.0 \(here "),
-        ("versions", {"numba": "0.61.0"}, r"made by numba 0\.61\.0 \(here "),
+        pytest.param(
+            "versions",
+            {"mpfcad": "0.1.0"},
+            r"made by mpfcad 0\.1\.0 \(here ",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "versions",
+            {"numba": "0.61.0"},
+            r"made by numba 0\.61\.0 \(here ",
+            marks=pytest.mark.slow,
+        ),
         (None, {"code_sha256": "0" * 64}, r"made by mpfcad \S+ of code 000000000000 \(here "),
     ],
 )

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.meter import has_equal_grooves
 from mpfcad.measure.rounds import Lit, TraceRun, trace_lit, trace_rounds
+from mpfcad.optics.repeat import repeats_with
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
@@ -27,8 +27,8 @@ _PLACES = 64
 _PILOT = 2, 4
 #: What the table may add, in shares of their own variance, to any wave of the curve, to the mean.
 _TO_WAVE, _TO_MEAN = 0.05, 3.0
-#: A pitch of whole grooves is off the lamps' by no more; the paths of a round are no fewer.
-_SAME_PITCH, _LEAST = 0.002, 270_000
+#: The paths of a round are no fewer.
+_LEAST = 270_000
 #: Time of a path that ends on the reflector, over that of one that goes on; what must be saved.
 _SHORT, _WORTH = 0.5, 0.8
 
@@ -97,25 +97,7 @@ def can_glow(lit: Lit) -> bool:
         return False
     if scene.parameter[0, REFLECTANCE] * (1 - scene.parameter[0, SPECULAR_FRACTION]) <= 0:
         return False
-    return _repeats(lit)
-
-
-def _repeats(lit: Lit) -> bool:
-    """Return whether all films repeat with the lamp pitch, and are alike along it."""
-    from mpfcad.optics.element import CELL_FILM, LIBRARY_FILM, Film
-
-    if np.isin(lit.scene.kind, (CELL_FILM, LIBRARY_FILM)).any():
-        return False
-    pitch = lit.stack.period.across
-    for film in lit.elements:
-        if not isinstance(film, Film) or has_equal_grooves(film.mesh):
-            continue
-        times = round(pitch / film.mesh.size[0])
-        is_whole = abs(times * film.mesh.size[0] / pitch - 1) <= _SAME_PITCH
-        along = film.mesh.vertex[np.unique(film.mesh.top), 1]
-        if film.rotation != 0 or not is_whole or len(np.unique(np.round(along, 6))) > 2:
-            return False
-    return True
+    return repeats_with(lit.elements, lit.stack.period.across)
 
 
 def _places(lit: Lit) -> "Source":

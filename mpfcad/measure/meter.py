@@ -8,15 +8,14 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import InputError
+from mpfcad.optics.repeat import groove_pitch
 
 if TYPE_CHECKING:
     from mpfcad.optics.solid.mesh import FilmMesh
 
 #: Points over a pitch: 0 and 1 above lamps, 0.5 between (Hsieh, MPF thesis).
 POINTS = 33
-#: Tips are what rises above this share of the relief; the spacing of equal ones scatters less.
-_TIP, _EVEN = 0.5, 0.02
-#: Spots are alike within such a share of a groove, grooves within such a share of their depth.
+#: Spots are alike within such a share of a groove.
 _SAME = 1e-3
 
 
@@ -65,40 +64,6 @@ def meter_spot(stack: Stack, mesh: "FilmMesh | None") -> Spot:
     width = max(1, round(asked / pitch)) * pitch
     # A mesh's float32 is no other width.
     return Spot(asked if abs(width - asked) < _SAME * pitch else width, asked)
-
-
-def groove_pitch(mesh: "FilmMesh") -> float | None:
-    """Return the spacing across [mm] of a film's tips; None where they are not evenly spaced."""
-    vertex = mesh.vertex[np.unique(mesh.top)]
-    x, at = np.unique(np.round(vertex[:, 0], 6), return_inverse=True)
-    z = np.full(len(x), -np.inf)
-    np.maximum.at(z, at, vertex[:, 2])
-    if len(x) < 3 or np.ptp(z) == 0:
-        return None
-    # Both ends of the tile are one place.
-    before, after = np.r_[z[-2], z[:-1]], np.r_[z[1:], z[1]]
-    tip = x[(z > before) & (z >= after) & (z > z.min() + _TIP * np.ptp(z))]
-    tip = tip[tip < mesh.size[0] - 1e-6]
-    if not len(tip):
-        return None
-    pitch = mesh.size[0] / len(tip)
-    gaps = np.diff(np.r_[tip, tip[0] + mesh.size[0]])
-    return float(pitch) if np.abs(gaps - pitch).max() <= _EVEN * pitch else None
-
-
-def has_equal_grooves(mesh: "FilmMesh") -> bool:
-    """Return whether all grooves of a film are alike, and each is the same from end to end."""
-    pitch, vertex = groove_pitch(mesh), mesh.vertex[np.unique(mesh.top)]
-    if pitch is None or len(np.unique(np.round(vertex[:, 1], 6))) > 2:
-        return False
-    # The tile's right end is its left end again.
-    x, z = np.unique(np.round(vertex[vertex[:, 0] < mesh.size[0] - 1e-6][:, [0, 2]], 6), axis=0).T
-    grooves = round(mesh.size[0] / pitch)
-    if len(x) % grooves:
-        return False
-    folded = np.stack([x, z]).reshape(2, grooves, -1)
-    folded[0] -= pitch * np.arange(grooves)[:, None]
-    return bool(np.ptp(folded, axis=1).max() <= _SAME * np.ptp(z))
 
 
 def pitch_positions(stack: Stack) -> NDArray[np.float64]:

@@ -121,6 +121,7 @@ def test_compare_states_it_of_every_case(place, capsys):
     assert "likely accepted" in page and "most by " in page
 
 
+@pytest.mark.slow
 def test_every_point_of_a_sweep_says_it(place, capsys):
     import xarray
 

@@ -8,7 +8,7 @@ from mpfcad.backlight import read_stack
 from mpfcad.measure import POINTS, contrast_of_curve, fit_curve, light_film
 from mpfcad.measure.contrast.basis import SPECTRA
 from mpfcad.measure.contrast.blur import _LEAST
-from mpfcad.measure.meter import has_equal_grooves
+from mpfcad.optics.repeat import has_equal_grooves
 from mpfcad.optics.solid.mesh import read_film_mesh
 
 EQUAL = [groove(60.0)] * 20

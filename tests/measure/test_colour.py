@@ -152,6 +152,7 @@ def test_quantum_dots_make_white_of_blue_and_more_so_where_light_is_recycled(tmp
     assert bare.power[0] + bare.power[1] > 0.2 and bare.power[3] + bare.power[6] > 0.1
 
 
+@pytest.mark.slow
 def test_leds_have_the_luminance_of_their_bands_and_a_colour_over_the_cell(tmp_path):
     sheet = '"clear_plate", "bottom_sheet"'
     path = tmp_path / "led.toml"

@@ -9,7 +9,8 @@ from harness import BARE, crossed_mesh, film_file, film_mesh, groove
 from mpfcad.backlight import read_stack
 from mpfcad.errors import InputError
 from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
-from mpfcad.measure.meter import groove_pitch, meter_spot, pitch_positions, refuse_dark
+from mpfcad.measure.meter import meter_spot, pitch_positions, refuse_dark
+from mpfcad.optics.repeat import groove_pitch
 
 STACK = "thesis-32in-mpf"
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpfcad.measure.contrast.basis import SPECTRA
-from mpfcad.measure.meter import has_equal_grooves
+from mpfcad.optics.repeat import has_alike_films
 
 if TYPE_CHECKING:
     from mpfcad.optics.element import Element, Sheet
@@ -23,13 +23,12 @@ def is_blurred(elements: "Sequence[Element]", pitch: float) -> bool:
     gap between the lamps' tops and the layers, so it is spread by σ · gap or more. A film that
     varies along x has steps and kinks of its own, which a sheet on it does not blur.
     """
-    from mpfcad.optics.element import Cavity, Film, LibraryFilm, Sheet
+    from mpfcad.optics.element import Cavity, Sheet
 
     lamps = elements[0]
     if not isinstance(lamps, Cavity):
         return False
-    films = [e for e in elements if isinstance(e, Film | LibraryFilm)]
-    if not all(isinstance(one, Film) and has_equal_grooves(one.mesh) for one in films):
+    if not has_alike_films(elements):
         return False
     gap = lamps.height - lamps.lamp_height - lamps.lamp_radius
     spread = max((_spread(e) for e in elements if isinstance(e, Sheet)), default=0.0)
