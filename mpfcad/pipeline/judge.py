@@ -2,14 +2,18 @@
 
 import json
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from mpfcad.errors import InputError
 from mpfcad.gate import Gate
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.observed import (
     LuminanceImage,
+    ObservedPitch,
     Photo,
     askew_words,
     check_pitch,
@@ -37,6 +41,8 @@ JUDGEMENT_SCHEMA = 1
 _SAME_SIZE = 0.02
 #: A lamp pitch this much off that of a prediction is named, and one of other lamps.
 _NAMED_PITCH, _SAME_PITCH = 0.015, 0.05
+#: A step from pitch to pitch of this share of the luminance's whole range is named.
+_TREND = 0.1
 
 
 @dataclass(frozen=True)
@@ -136,6 +142,7 @@ def _judge_stripes(
     if judging.pitch is not None:
         notes.append(check_pitch(str(path), curve.position, curve.luminance, pitch))
     seen = observe_pitch(curve, pitch, judging.lamp, judging.seed)
+    notes.append(_trend_words(path, seen, None if image is None else judging.photo))
     if predicted is not None:
         notes.append(_check_lamps(path, judging, seen.pitch, predicted))
     record = {**_said(notes), "reading": curve.reading, **describe_pitch(seen)}
@@ -146,6 +153,26 @@ def _judge_stripes(
             "lamp_mura_contrast": predicted["lamp_mura_contrast"],
         }  # fmt: skip
     return record, seen.contrast
+
+
+def _trend_words(path: Path, seen: ObservedPitch, photo: Photo | None) -> str:
+    """Return by how much neighbouring pitches differ, where that counts in the contrast."""
+    mean = [seen.curve.mean(i) for i in range(len(seen.each))]
+    steps = [
+        (abs(b.value - a.value), float(np.hypot(a.standard_error, b.standard_error)))
+        for a, b in pairwise(mean)
+    ]
+    if not steps:
+        return ""
+    step, error = max(steps)
+    share = step / seen.fit.mean.value
+    if step < 3 * error or share < _TREND * 2 * seen.contrast.value:
+        return ""
+    why = "; no flat field was given (--flat)" if photo and photo.flat is None else ""
+    return (
+        f"{path}: the mean luminance of one lamp pitch and the next differs by up to {share:.2%}, "
+        f"as by unequal lamps or a camera's vignetting: that counts in the contrast{why}"
+    )
 
 
 def _said(notes: list[str]) -> dict[str, Any]:

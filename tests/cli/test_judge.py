@@ -104,3 +104,16 @@ def test_bad_input_is_one_line(files, capsys, arguments, words):
     error = capsys.readouterr().err
     assert len(error.splitlines()) == 1
     assert words in error
+
+
+@pytest.mark.parametrize(("fall", "said"), [(0.0, False), (0.02, True)])
+def test_a_slow_trend_is_said(files, capsys, fall, said):
+    """Vignetting, or lamps of one side that are brighter, counts as lamp Mura of a pitch."""
+    x = np.arange(0.0, 70.0, 0.25)
+    value = 6000 * (1 + 0.02 * np.cos(2 * np.pi * (x - 2) / PITCH)) * (1 - fall * x / 70)
+    value += np.random.default_rng(4).normal(0, 3, len(x))
+    rows = np.stack([x, value], 1)
+    np.savetxt("t.csv", rows, "%.4f", ",", header="position_mm,luminance_cd_m2", comments="")
+    run_app(["judge", "t.csv", "--pitch-mm", "16", "--json"])
+    notes = json.loads(capsys.readouterr().out).get("notes", [])
+    assert any("lamp pitch and the next differs by up to 0.4" in note for note in notes) == said
