@@ -35,10 +35,11 @@ from mpfcad.measure.polarisation import (
     polarisation,
     refuse_unpolarised,
 )
-from mpfcad.measure.rounds import Lit, TraceRun, TraceState, light_film
+from mpfcad.measure.rounds import LEAST_PATHS, Lit, TraceRun, TraceState, light_film
 from mpfcad.measure.uniformity import METERS, SCREEN_POINTS, UniformityResult, screen_uniformity
 
 __all__ = [
+    "LEAST_PATHS",
     "METERS",
     "POINTS",
     "SCREEN_POINTS",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.measure.rounds import Lit, TraceRun, trace_lit, trace_rounds
+from mpfcad.measure.rounds import LEAST_PATHS, Lit, TraceRun, trace_lit, trace_rounds
 from mpfcad.optics.repeat import repeats_with
 
 if TYPE_CHECKING:
@@ -27,8 +27,6 @@ _PLACES = 64
 _PILOT = 2, 4
 #: What the table may add, in shares of their own variance, to any wave of the curve, to the mean.
 _TO_WAVE, _TO_MEAN = 0.05, 3.0
-#: The paths of a round are no fewer.
-_LEAST = 270_000
 #: Time of a path that ends on the reflector, over that of one that goes on; what must be saved.
 _SHORT, _WORTH = 0.5, 0.8
 
@@ -78,7 +76,7 @@ def find_glow(
     shape, mean = _apart(_common(pilot.lit, tally, pilot.error**2 * _PILOT[0]))
     wave = float(np.linalg.eigvalsh(shape)[-1])
     size = max(wave / _TO_WAVE, mean * len(shape) / _TO_MEAN) * needed / noise
-    table = max(-(-_LEAST // (_PLACES * BLOCK)), int(np.ceil(size)))
+    table = max(-(-LEAST_PATHS // (_PLACES * BLOCK)), int(np.ceil(size)))
     cost = table * _PLACES + _SHORT * needed * len(source.position)
     if cost > _WORTH * blocks * len(source.position):
         return None
@@ -139,10 +137,9 @@ def _of_block(tally: "Tally") -> float:
 
 def _common(lit: Lit, tally: "Tally", variance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the covariance (p, p) that a table with such variances gives a meter's points."""
-    from mpfcad.optics.base.recorder import FLOWS
+    from mpfcad.optics.engine import landed_weights
 
-    landed = tally.flow[len(FLOWS) + len(lit.scene.kind) :]
-    weight = landed.reshape(len(tally.score), -1) / tally.paths
+    weight = landed_weights(lit.scene, tally)
     return (weight * variance) @ weight.T
 
 

@@ -13,7 +13,14 @@ from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.glow import Glow, can_glow, find_glow
 from mpfcad.measure.judged import Judged, judged_pitches
 from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
-from mpfcad.measure.rounds import Lit, TraceRun, TraceState, Trail, relative_error, trace_rounds
+from mpfcad.measure.rounds import (
+    LEAST_PATHS,
+    Lit,
+    TraceRun,
+    Trail,
+    relative_error,
+    trace_rounds,
+)
 
 if TYPE_CHECKING:
     from mpfcad.optics.base.recorder import Tally
@@ -24,8 +31,8 @@ FIGURE = "contrast ± {:.4f} (95 %)"
 _ENERGY_BLOCKS = 256
 #: The contrast's half-width of a smooth curve, over the points' relative error.
 _HALF_WIDTH = 0.8
-#: Paths that tell how many are needed; from so many times more a table is asked for.
-_FIRST, _MANY = 270_000, 3.0
+#: From so many times the paths of a first round a table is asked for.
+_MANY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,22 +175,19 @@ class _Reader:
 
     def __init__(self, lit: Lit, source: "Source", seed: int, part: slice) -> None:
         self._lit, self._source, self._seed, self._part = lit, source, seed, part
+        self._position = pitch_positions(lit.stack)
         self._glow: Glow | None = None
         self._known: dict[int, tuple[CurveFit, Estimate]] = {}
         self._trail = Trail(lambda tally: _ends(self.read(tally)[1]))
 
     def trace(self, run: TraceRun, goal: float) -> "Tally":
         """Return the tally of a trace to a half-width of the contrast, the fastest way."""
-        if run.path_limit <= _FIRST or not can_glow(self._lit):
+        # What is known to end before a table is worth it needs no round to tell.
+        if run.path_limit <= _MANY * LEAST_PATHS or not can_glow(self._lit):
             return self._round(run, goal)
-        first = TraceRun(run.seed, run.threads, _FIRST, judged=run.judged)
+        first = TraceRun(run.seed, run.threads, LEAST_PATHS, judged=run.judged)
         tally = self._round(first, goal)
         half_width = self.read(tally)[1].half_width
-        if half_width <= goal:
-            if run.progress:
-                paths = tally.total_paths
-                run.progress(TraceState(paths, paths, half_width, goal, FIGURE))
-            return tally
         times = run.path_limit / tally.total_paths
         if goal > 0:
             # Of few paths the half-width tells badly how many are needed.
@@ -192,20 +196,21 @@ class _Reader:
         if times > _MANY:
             self._glow = find_glow(self._lit, self._source, run, tally, times * tally.blocks)
         if self._glow is None:
-            return self._round(run, goal)
+            return self._round(run, goal, tally)
         self._known.clear()
         most = max(run.path_limit - self._glow.paths, run.path_limit // 2)
         return self._round(replace(run, path_limit=most), goal)
 
-    def _round(self, run: TraceRun, goal: float) -> "Tally":
+    def _round(self, run: TraceRun, goal: float, begun: "Tally | None" = None) -> "Tally":
         return trace_rounds(
             self._glow.lit if self._glow else self._lit, self._source, run,
             lambda tally: self.read(tally)[1].half_width, goal, FIGURE, trail=self._trail,
+            begun=begun,
         )  # fmt: skip
 
     def read(self, tally: "Tally") -> tuple[CurveFit, Estimate]:
         """Return the curve and its contrast, of the worst judged pitch."""
-        position = pitch_positions(self._lit.stack)
+        position = self._position
         refuse_dark(self._lit.stack.name, position, tally.radiance)
         if tally.blocks not in self._known:
             error = np.hypot(tally.radiance_error, self.shared(tally)[0])

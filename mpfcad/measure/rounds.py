@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from mpfcad.optics.source import Source
     from mpfcad.optics.spectral.engine import Spectral
 
-_LEAST_PATHS = 270_000
+#: A first round has at least so many paths.
+LEAST_PATHS = 270_000
 #: Largest share of the paths that may end nowhere.
 LOST_LIMIT = 1e-6
 
@@ -197,10 +198,12 @@ def trace_rounds(
     *,
     least_blocks: int = 2,
     trail: Trail | None = None,
+    begun: "Tally | None" = None,
 ) -> "Tally":
     """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
 
-    `trail` gets a figure's value after each round, those before an interruption among them.
+    `trail` gets a figure's value after each round, those before an interruption among them. `begun`
+    is this trace's first round where it is done already.
 
     Rounds grow with what is done, so that few errors are computed and little is overshot; which
     they are depends on nothing but the number of points.
@@ -220,15 +223,16 @@ def trace_rounds(
     )
     empty = Tally.empty(points, flow_count(lit.scene, points))
     trail = trail or Trail(lambda tally: (error, error, error))
-    tally, trail.rows[:] = run.checkpoints.read(case) or (empty, [])
-    error, start = float("nan"), tally.total_paths
+    left = run.checkpoints.read(case)
+    tally, trail.rows[:] = left or (begun or empty, [])
+    error, start = float("nan"), tally.total_paths if left else 0
     while True:
         if tally.blocks:
             error = error_of(tally)
             trail.note(tally)
             if error <= goal or tally.total_paths >= limit:
                 break
-        more = max(-(-_LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
+        more = max(-(-LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
         if not tally.blocks:
             more = max(more, least_blocks)
         state = TraceState(tally.total_paths, limit, error, goal, figure, start)

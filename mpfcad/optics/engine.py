@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numba import uint64
+from numpy.typing import NDArray
 
 from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.lanes import LANES
@@ -232,6 +233,12 @@ def compile_tracer() -> None:
 def flow_count(scene: Scene, points: int) -> int:
     """Return how many flows a tally of so many points has."""
     return len(FLOWS) + len(scene.kind) + points * max(0, len(scene.glow) - 1)
+
+
+def landed_weights(scene: Scene, tally: Tally) -> NDArray[np.float64]:
+    """Return the mean weight of a point's paths that ended at each place of the glow, (p, n)."""
+    landed = tally.flow[flow_count(scene, 0) :]
+    return landed.reshape(len(tally.score), -1) / tally.paths
 
 
 def trace(

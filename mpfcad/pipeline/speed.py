@@ -2,12 +2,9 @@
 
 import time
 
-from mpfcad.measure import TraceRun, luminance_over_pitch
+from mpfcad.measure import LEAST_PATHS, TraceRun, luminance_over_pitch
 from mpfcad.pipeline.effort import available_threads
 from mpfcad.pipeline.run.examine import light_baseline
-
-#: One round of paths to their end: no more, lest a part of them end on the reflector.
-_PATHS = 270_000
 
 
 def trace_speed() -> tuple[float, float]:
@@ -16,6 +13,6 @@ def trace_speed() -> tuple[float, float]:
     start = time.monotonic()
     luminance_over_pitch(lit, TraceRun(path_limit=1000), half_width_goal=0.0)
     ready = time.monotonic()
-    run = TraceRun(seed=2, threads=available_threads(), path_limit=_PATHS)
+    run = TraceRun(seed=2, threads=available_threads(), path_limit=LEAST_PATHS)
     result = luminance_over_pitch(lit, run, half_width_goal=0.0)
     return ready - start, result.paths / (time.monotonic() - ready) / 1e6

@@ -9,7 +9,7 @@ from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
 from mpfcad.measure.glow import _glow, _places, can_glow, find_glow
 from mpfcad.measure.meter import pitch_positions
 from mpfcad.measure.rounds import trace_lit
-from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.engine import landed_weights
 from mpfcad.optics.source import EYE, Source
 
 STACKS = {
@@ -70,7 +70,7 @@ def test_a_reflector_that_is_looked_at_through_nothing_lands_where_it_is_seen():
     lit = light_film(stack, None)
     glow = _glow(lit, trace_lit(lit, _places(lit), 2, seed=3))
     tally = trace_lit(glow.lit, meter(lit), 2, seed=4)
-    landed = tally.flow[len(FLOWS) + len(lit.scene.kind) :].reshape(33, -1) / tally.paths
+    landed = landed_weights(glow.lit.scene, tally)
     place = np.round(np.linspace(0, 1, 33) * 64).astype(int) % 64
     between = np.abs((np.arange(64) - place[:, None] + 32) % 64 - 32) <= 2
     beside = np.abs(np.linspace(0, 1, 33) - 0.5) < 0.35
