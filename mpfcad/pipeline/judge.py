@@ -12,18 +12,18 @@ from mpfcad.errors import InputError
 from mpfcad.gate import Gate
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.observed import (
+    NAMED_PITCH,
+    SAME_PITCH,
     LuminanceImage,
     ObservedPitch,
     Photo,
-    askew_words,
     check_pitch,
-    curve_of_image,
     find_pitch,
     lattice_words,
     observe_cell,
     observe_pitch,
-    read_curve,
     read_image,
+    read_stripes,
     spots_askew_words,
 )
 from mpfcad.measure.observed.cell import means_of_sides
@@ -39,8 +39,6 @@ from mpfcad.record.judgement import (
 JUDGEMENT_SCHEMA = 1
 #: Cells whose sides differ by more than this share are not the same.
 _SAME_SIZE = 0.02
-#: A lamp pitch this much off that of a prediction is named, and one of other lamps.
-_NAMED_PITCH, _SAME_PITCH = 0.015, 0.05
 #: A step from pitch to pitch of this share of the luminance's whole range is named.
 _TREND = 0.1
 
@@ -136,8 +134,8 @@ def _judge_stripes(
     path: Path, image: LuminanceImage | None, judging: Judging, predicted: dict[str, Any] | None
 ) -> tuple[dict[str, Any], Estimate]:
     """Return the record of a curve, or of an image of stripes, and its contrast."""
-    curve = read_curve(path, judging.unit) if image is None else curve_of_image(image)
-    notes = ["" if image is None else askew_words(path, image, curve)]
+    curve, words = read_stripes(path, image, judging.unit)
+    notes = [words]
     pitch = judging.pitch or find_pitch(str(path), curve.position, curve.luminance)
     if judging.pitch is not None:
         notes.append(check_pitch(str(path), curve.position, curve.luminance, pitch))
@@ -185,10 +183,10 @@ def _check_lamps(path: Path, judging: Judging, pitch: float, predicted: dict[str
     """Refuse a prediction for lamps of another pitch [mm], and say where they differ a little."""
     quantity = predicted.get("job", {}).get("stack", {}).get("quantity", {})
     given = quantity.get("lamp_pitch_mm", {}).get("value")
-    if given is None or abs(pitch / given - 1) <= _NAMED_PITCH:
+    if given is None or abs(pitch / given - 1) <= NAMED_PITCH:
         return ""
     words = f"the file's lamp pitch, {pitch:.5g} mm, is {pitch / given - 1:+.1%} off {given:.5g} mm"
-    if abs(pitch / given - 1) <= _SAME_PITCH:
+    if abs(pitch / given - 1) <= SAME_PITCH:
         return f"{words} of {predicted['name']}"
     raise InputError(
         f"{path}: {words} of --against {judging.against}: expected lamps of one pitch "

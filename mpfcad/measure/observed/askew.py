@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mpfcad.errors import InputError
-from mpfcad.measure.observed.curve import ObservedCurve
+from mpfcad.measure.observed.curve import ObservedCurve, read_curve
 from mpfcad.measure.observed.image import LuminanceImage
 from mpfcad.measure.observed.spectrum import BLUR, spectrum_of
 from mpfcad.measure.observed.stripe import curve_of_image, means_across
@@ -24,6 +24,22 @@ _CERTAIN = 5.0
 _STEEP = 10.0
 #: Stripes of less power beside bands than this share of theirs may be a window's leakage.
 _FAINT = 1e-4
+
+
+def read_stripes(
+    path: Path, image: LuminanceImage | None, unit: str | None
+) -> tuple[ObservedCurve, str]:
+    """Return the curve of an image's stripes or of a file of text, and what is to be said of it.
+
+    Raises
+    ------
+    InputError
+        when the file cannot be read, or the stripes run too far askew.
+    """
+    if image is None:
+        return read_curve(path, unit), ""
+    curve = curve_of_image(image)
+    return curve, askew_words(path, image, curve)
 
 
 def askew_words(path: Path, image: LuminanceImage, curve: ObservedCurve) -> str:

@@ -15,8 +15,10 @@ _TRIED = 600
 _PERIODS = 2.9
 #: A period is shown clearly where it explains this share; periods alike within this share.
 _CLEAR, _ALIKE = 0.8, 0.03
-#: Periods near a stated one that are tried; one this much off is named, and refused.
-_NEAR, _TRIED_NEAR, _NAMED, _REFUSED = 0.12, 49, 0.015, 0.05
+#: Periods near a stated one that are tried.
+_NEAR, _TRIED_NEAR = 0.12, 49
+#: A lamp pitch this much off the expected one is named, the scale of a file; from there refused.
+NAMED_PITCH, SAME_PITCH = 0.015, 0.05
 #: A share that leaves no room for another period.
 _SURE = 0.995
 
@@ -79,9 +81,9 @@ def check_pitch(
     else:
         found, share = near, near_share
         clear = share >= _CLEAR and 1 - share < (1 - own) / 2
-        if not clear or abs(off) < _NAMED or np.ptp(position) < _PERIODS * stated:
+        if not clear or abs(off) < NAMED_PITCH or np.ptp(position) < _PERIODS * stated:
             return ""
-        if abs(off) < _REFUSED:
+        if abs(off) < SAME_PITCH:
             return (
                 f"the file's period, {near:.5g} mm, is {off:+.1%} off {option} {stated:.5g}: it "
                 f"explains {share:.1%} of the variation, the stated one {own:.1%}"

@@ -47,6 +47,14 @@ class ObservedPitch:
     each: list[Estimate]
     uniformity: Estimate
 
+    def cosines(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the first cosines over the mean, (count,), and their covariance.
+
+        The sines are the film's misplacement, not the map's.
+        """
+        mean, own = float(self.fit.coefficient[0]), slice(1, 2 * count, 2)
+        return self.fit.coefficient[own] / mean, self.fit.covariance[own, own] / mean**2
+
 
 def observe_pitch(
     observed: ObservedCurve, pitch: float, lamp: float | None = None, seed: int = 1

@@ -22,21 +22,18 @@ from mpfcad.fit.reading import (
 )
 from mpfcad.job.fit import Fit, MeasurementTable, PredictTable
 from mpfcad.measure.observed import (
+    SAME_PITCH,
     Photo,
-    askew_words,
     check_pitch,
-    curve_of_image,
     observe_pitch,
-    read_curve,
     read_image,
+    read_stripes,
 )
 from mpfcad.measure.observed.image import is_image
 
 #: Cosines of a measured curve that are compared.
 _COSINES = 4
 _FEWEST_ANGLES = 3
-#: A curve's stated lamp pitch may be off the backlight's by so much: the scale of a file.
-_SAME_PITCH = 0.05
 #: A cut within a quarter turn in radians is no cut in degrees [°].
 _RADIANS = np.pi / 2
 #: Kind of view and figure of each scalar.
@@ -101,6 +98,7 @@ def _curve(
     path = file.parent / table.file
     if not path.is_file():
         raise InputError(f"{where}: file: {path}: no such file: expected a curve or an image")
+    image = None
     if is_image(path):
         if table.pixel_mm is None:
             raise InputError(f"{where}: {table.file}: an image: expected pixel_mm")
@@ -110,15 +108,13 @@ def _curve(
             table.crop, float(np.radians(table.rotation_deg)),
         )  # fmt: skip
         image = read_image(path, photo)
-        curve = curve_of_image(image)
-        notes += filter(None, [askew_words(path, image, curve)])
-    else:
-        curve = read_curve(path, table.unit)
+    curve, said = read_stripes(path, image, table.unit)
+    notes += filter(None, [said])
     own = table.pitch_mm or pitch
-    if abs(own / pitch - 1) > _SAME_PITCH:
+    if abs(own / pitch - 1) > SAME_PITCH:
         raise InputError(
             f"{where}: pitch_mm {own:g}: expected the backlight's lamp pitch, {pitch:g} mm, "
-            f"within {_SAME_PITCH:.0%}"
+            f"within {SAME_PITCH:.0%}"
         )
     whose = "pitch_mm" if table.pitch_mm else "the backlight's lamp pitch in mm,"
     said = check_pitch(
@@ -129,9 +125,7 @@ def _curve(
     seen = observe_pitch(curve, own, table.lamp_at_mm)
     notes.append(curve.reading)
     mean = float(seen.fit.coefficient[0])
-    at = slice(1, 2 * _COSINES, 2)
-    cosine = seen.fit.coefficient[at] / mean
-    covariance = seen.fit.covariance[at, at] / mean**2
+    cosine, covariance = seen.cosines(_COSINES)
     covariance = covariance + np.eye(len(cosine)) * (table.sigma or 0.0) ** 2
     view = (table.case, PITCH)
     label = tuple(f"cos {2 * h}πu" for h in range(1, len(cosine) + 1))
