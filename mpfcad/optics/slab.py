@@ -4,7 +4,7 @@ import math
 
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
-from mpfcad.optics.base.sampling import henyey_greenstein_slope, turn, uniform
+from mpfcad.optics.base.sampling import flight, henyey_greenstein_slope, turn, uniform
 from mpfcad.optics.score.state import ABSORBED, SCATTERED, TURNED, draw, weigh
 from mpfcad.optics.stokes.interface import meet_interface
 from mpfcad.optics.stokes.state import depolarise
@@ -42,12 +42,7 @@ def slab_passage(phase, parameter, up, x, y, dx, dy, dz, light, score, rng):
             return (-1 if up else 1), x, y, dx, dy, -dz, 0.0
         dx, dy, dz = dx * outside / index, dy * outside / index, math.copysign(cos_out, dz)
     for _ in range(_MOST_STEPS):
-        to_face = math.inf
-        if dz != 0.0:
-            to_face = ((thickness if dz > 0.0 else 0.0) - z) / dz
-        free = math.inf
-        if scattering > 0.0:
-            free = -math.log(1.0 - uniform(rng)) / scattering
+        free, to_face = flight(thickness, scattering, z, dz, rng)
         step = min(free, to_face)
         weigh(score, ABSORBED, -step)
         if scattering > 0.0:

@@ -145,6 +145,22 @@ def henyey_greenstein_slope(g, cosine):
 
 
 @kernel
+def flight(thickness, scattering, z, dz, rng):
+    """Return (drawn free path between scatterings, length to the face ahead) in a layer, both [mm].
+
+    The free path is exponential of mean 1/scattering; without scattering it is inf and draws
+    nothing.
+    """
+    to_face = math.inf
+    if dz != 0.0:
+        to_face = ((thickness if dz > 0.0 else 0.0) - z) / dz
+    free = math.inf
+    if scattering > 0.0:
+        free = -math.log(1.0 - uniform(rng)) / scattering
+    return free, to_face
+
+
+@kernel
 def turn(dx, dy, dz, cosine, azimuth):
     """Return the unit direction at polar `cosine` and `azimuth` [rad] about (dx, dy, dz)."""
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))

@@ -21,7 +21,7 @@ from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.base.phase import scattering_cosine
 from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LOST
 from mpfcad.optics.base.roulette import roulette
-from mpfcad.optics.base.sampling import turn, uniform
+from mpfcad.optics.base.sampling import flight, turn, uniform
 from mpfcad.optics.spectral.converter import (
     ASYMMETRY,
     DEPTH,
@@ -68,12 +68,7 @@ def within(scene, e, x, y, z, dx, dy, dz, weight, flow, light, hue, rng):
     index, thickness = parameter[INDEX], parameter[THICKNESS]
     scattering = parameter[SCATTERING]
     for _ in range(_MOST_STEPS):
-        to_face = math.inf
-        if dz != 0.0:
-            to_face = ((thickness if dz > 0.0 else 0.0) - z) / dz
-        free = math.inf
-        if scattering > 0.0:
-            free = -math.log(1.0 - uniform(rng)) / scattering
+        free, to_face = flight(thickness, scattering, z, dz, rng)
         step = min(free, to_face)
         if scattering == 0.0 and index * index * (1.0 - dz * dz) >= 1.0:
             step = math.inf
