@@ -137,9 +137,9 @@ def odd_grooves(
         return rest, _left(refit(rest))
 
     out = _worst(left, number, count, without)
-    pairs = [np.isin(np.arange(count), (k, k + 1)) for k in range(count - 1)]
     if out is None:
         # A missing prism bends the fit so much that other grooves leave more than its own two.
+        pairs = [np.isin(np.arange(count), (k, k + 1)) for k in range(count - 1)]
         out = min(pairs, key=lambda pair: float(np.mean(without(pair)[1])))
     rest, still = without(out)
     gone = out[number]
