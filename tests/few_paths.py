@@ -14,6 +14,6 @@ def few_paths() -> Iterator[None]:
     with (
         mock.patch.dict(TRACE_SETTINGS, quick=TraceSetting(1.0, 20_000)),
         mock.patch.object(luminance, "_ENERGY_BLOCKS", 4),
-        mock.patch.object(rounds, "_LEAST_PATHS", 1),
+        mock.patch.object(rounds, "LEAST_PATHS", 1),
     ):
         yield

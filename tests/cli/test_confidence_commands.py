@@ -45,7 +45,7 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "sweep.toml").write_text(SWEEP + SMALL)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(rounds, "_LEAST_PATHS", 30_000)
+    monkeypatch.setattr(rounds, "LEAST_PATHS", 30_000)
     monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 8)
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))

@@ -27,7 +27,7 @@ def place(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setenv("MPFCAD_CACHE", str(folder / "cache"))
-        patch.setattr(rounds, "_LEAST_PATHS", 60_000)
+        patch.setattr(rounds, "LEAST_PATHS", 60_000)
         patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
         patch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 8))
         yield folder

@@ -33,7 +33,7 @@ def mesh(tmp_path_factory):
 
 @pytest.fixture
 def small(mesh, monkeypatch):
-    monkeypatch.setattr(rounds, "_LEAST_PATHS", 60_000)
+    monkeypatch.setattr(rounds, "LEAST_PATHS", 60_000)
     return lambda **more: light_film(read_stack("thesis-32in-mpf", overrides=SMALL | more), mesh)
 
 
