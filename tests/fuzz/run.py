@@ -4,6 +4,7 @@ Guided by what comes of a file: one with a new outcome (a place in the code that
 message) joins the files that are mutated further.
 """
 
+import faulthandler
 import multiprocessing
 import random
 import re
@@ -81,6 +82,7 @@ def _apart(work: "Work", count: int, end: float) -> "Work":
     alive = context.Value("q", 0)
 
     def run() -> None:
+        faulthandler.disable()  # a crash is counted, its stack is nobody's concern
         there.send(work.go(count, end, alive))
 
     child = context.Process(target=run, daemon=True)

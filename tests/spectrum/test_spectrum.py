@@ -23,7 +23,8 @@ SOME = (430.0, 450.0, 480.0, 520.0, 550.0, 590.0, 630.0, 660.0)
 
 @pytest.fixture(scope="module")
 def colour():
-    with warnings.catch_warnings():
+    # It sets how numpy prints numbers, for every test after it.
+    with warnings.catch_warnings(), np.printoptions():
         warnings.simplefilter("ignore")
         import colour
 
