@@ -15,7 +15,7 @@ from mpfcad.errors import InputError
 from mpfcad.film.geometry import PrismFilm
 from mpfcad.film.groove_tip import Flank, round_tips
 from mpfcad.film.measured_section import measured_section
-from mpfcad.film.meniscus import meniscus_section
+from mpfcad.film.meniscus import meniscus, meniscus_section
 from mpfcad.film.section import ARC, LINE, PARABOLA, Section, join_pieces
 from mpfcad.units import nm, um
 
@@ -77,6 +77,19 @@ def build_section(
                 f"{SMALLEST_RADIUS / um:g} µm"
             )
     return _Drawing(film, made, sliver).section()
+
+
+def resin_reach(film: PrismFilm, made: Imperfection, sliver: float) -> NDArray[np.float64]:
+    """Return how far [mm] from each groove's centre resin is drawn, (n,) float64; 0: none.
+
+    The film is `filled`, and not of a measured surface; `sliver` [mm] as `build_section` has it.
+    """
+    if made.contact_angle is None:
+        reach = _Drawing(film, made, sliver).contact
+    else:
+        reach = meniscus(film, made.contact_angle)[0]
+        reach = np.where(reach < sliver, 0.0, reach)
+    return np.where(film.groove.takes_resin(film.curvature), reach, 0.0)
 
 
 class _Drawing:

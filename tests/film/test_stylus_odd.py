@@ -5,6 +5,7 @@ import pytest
 
 from mpfcad.errors import InputError
 from mpfcad.film import Groove, StylusTip, StylusTrace, fit_stylus_trace
+from mpfcad.film.stylus.misfit import GrooveNumbers
 from mpfcad.film.stylus.tip import dilate
 
 BEF = Groove(0.050, 0.025)
@@ -42,6 +43,30 @@ def test_a_damaged_groove_is_left_out_and_said(change):
     assert fit.curvature.value == pytest.approx(58.0, abs=0.1)
     assert fit.curvature.high - fit.curvature.low < 0.3
     assert fit.fill_fraction.value == pytest.approx(float(BEF.fill_fraction(58.0)), abs=1e-3)
+
+
+def test_grooves_have_one_number_in_every_message_and_a_list_where_they_are_apart():
+    """Those left out had the number of the lattice, the farthest one that of those whole."""
+
+    def twice(x, z):
+        return z + sum(3e-3 * np.exp(-(((x - at) / 8e-3) ** 2)) for at in (0.07, 0.27))
+
+    # The file begins at 40 µm: a fifth of the groove that ends at 50 µm is its first.
+    each = np.full(9, 52.0)
+    each[6] = 66.0
+    words = " / ".join(fit_stylus_trace(traced(each, twice), BEF).notes)
+    assert "grooves 2 and 6 of 9 (x 50 … 100 and 250 … 300 µm) left out" in words
+    assert "groove 7 of 9 (x 300 … 350 µm) is farthest from the mean" in words
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [([1], "groove 2 of 4 (x 60 … 110 µm)"), ([0, 1], "grooves 1 and 2 of 4 (x 40 … 110 µm)"),
+     ([3, 0, 1], "grooves 1, 2 and 4 of 4 (x 40 … 110 and 160 … 170 µm)")],
+)  # fmt: skip
+def test_numbers_are_told_with_their_places(number, words):
+    numbers = GrooveNumbers(0.010, 0.050, (0.040, 0.170), 0.100)
+    assert numbers.words(0.035 + 0.050 * np.array(number) - 0.100) == words
 
 
 def test_grooves_of_two_kinds_are_refused():

@@ -51,6 +51,12 @@ def shown(found):
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", page)))
 
 
+def test_what_the_files_leave_out_stands_beside_the_verdict():
+    words = "film: solids and meshes leave out resin narrower than 0.2 µm"
+    assert f"{words}." in shown(record(0.001, 0.008, "PASS", notes=[words]))
+    assert "leave out" not in shown(record(0.001, 0.008, "PASS"))
+
+
 def test_what_is_assumed_stands_beside_the_verdict():
     text = shown(record(0.001, 0.008, "PASS"))
     for words in (

@@ -30,7 +30,7 @@ from mpfcad.film.stylus.bound.interval import (
     slope_hidden,
 )
 from mpfcad.film.stylus.bound.spread import Spread, spread_of
-from mpfcad.film.stylus.misfit import check_shape, odd_grooves
+from mpfcad.film.stylus.misfit import GrooveNumbers, check_shape, odd_grooves
 from mpfcad.film.stylus.model import PITCH, TraceModel
 from mpfcad.film.stylus.shape import MeniscusShape, meniscus_shape
 from mpfcad.film.stylus.solve import Fitted, fit_model
@@ -179,13 +179,15 @@ def _fit_upright(
 
     fitted = fitting(used)
     tips = fits_of_tips(trace, fitted)
-    odd = odd_grooves(used, tips.fits[0], lambda part: fitting(part)(tips.fits[0].model.tip))
+    first = tips.fits[0]
+    numbers = GrooveNumbers.of(trace, first, middle)
+    odd = odd_grooves(used, first, lambda part: fitting(part)(first.model.tip), numbers)
     if odd is not None:
         fitted = fitting(odd.rest)
         tips = fits_of_tips(trace, fitted)
     fits, best = tips.fits, tips.fits[0]
     notes = [*tips.notes, *([odd.words] if odd else [])]
-    said = check_shape(trace, best, groove)
+    said = check_shape(trace, best, groove, numbers)
     known = [(fit, spread_of(fit)) for fit in fits]
     scaled = [on_stated_scale(*part, groove, fitted) for part in known]
     hidden = [hidden_slope(*part, tips.cones, told=not tips.notes) for part in known]

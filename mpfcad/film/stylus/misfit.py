@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import InputError
 from mpfcad.film.groove import Groove
 from mpfcad.film.stylus.correlation import correlation_sum
-from mpfcad.film.stylus.model import FILL, OWN_FILL
+from mpfcad.film.stylus.model import CENTRE, FILL, OWN_FILL, PITCH, TraceModel
 from mpfcad.film.stylus.residual import SAID, shape_misfit
 from mpfcad.film.stylus.solve import Fitted, solve
 from mpfcad.film.stylus.trace import StylusTrace
@@ -30,9 +30,72 @@ _LEAVES, _TIMES, _ODD, _LESS = 0.1 * um, 2.0, 1 / 3, 0.5
 #: asked whether upside down it fits as well, and before it is refused in any case. A meniscus of a
 #: circle's shape differs by up to 5 %, and far more upside down; a sine by 2 … 26 %, either way.
 _ASKED, _REFUSED = 0.04, 0.08
+#: Share of a groove that a file must show of it to count as the file's first.
+_SEEN = 0.05
 
 
-def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
+@dataclass(frozen=True)
+class GrooveNumbers:
+    """The grooves of a file, numbered from 1 by rising x; parts at its ends count as grooves.
+
+    Attributes
+    ----------
+    left, pitch
+        of groove 1: its left tip, and its width [mm]
+    ends
+        least and largest x of the file [mm]
+    middle
+        x of the file where a fit's positions are 0 [mm]
+    """
+
+    left: float
+    pitch: float
+    ends: tuple[float, float]
+    middle: float
+
+    @classmethod
+    def of(cls, trace: StylusTrace, fit: Fitted, middle: float) -> "GrooveNumbers":
+        """Return the numbers of all grooves of a trace by the place of those that were fitted."""
+        first, last, pitch = trace.position[0], trace.position[-1], float(fit.value[PITCH])
+        tip = middle + fit.value[CENTRE] - pitch / 2
+        left = tip + np.floor((first - tip) / pitch + _SEEN) * pitch
+        return cls(float(left), pitch, (float(first), float(last)), middle)
+
+    def words(self, centre: NDArray[np.float64]) -> str:
+        """Return which grooves have centres at positions of a fit, (m,) [mm], and where they lie.
+
+        Such as `grooves 2, 3 and 6 of 9 (x 51 … 151 and 251 … 301 µm)`.
+        """
+        number = np.sort(np.floor((centre + self.middle - self.left) / self.pitch).astype(int))
+        runs = np.split(number, np.flatnonzero(np.diff(number) > 1) + 1)
+        low, high = self.ends
+        places = [
+            f"{max(self.left + run[0] * self.pitch, low) / um:.0f} … "
+            f"{min(self.left + (run[-1] + 1) * self.pitch, high) / um:.0f}"
+            for run in runs
+        ]
+        count = int(np.ceil((high - self.left) / self.pitch - _SEEN))
+        names = [str(k + 1) for k in number]
+        return (
+            f"groove{'s' if len(names) > 1 else ''} {_listed(names)} of {count} "
+            f"(x {_listed(places)} µm)"
+        )
+
+
+def _listed(words: list[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _centres(model: TraceModel, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return where the centres of a model's grooves lie, (grooves,) [mm]."""
+    first = np.floor((model.x.min() - value[CENTRE]) / value[PITCH] + 0.5)
+    centres: NDArray[np.float64] = value[CENTRE] + value[PITCH] * (first + np.arange(model.grooves))
+    return centres
+
+
+def check_shape(
+    trace: StylusTrace, fit: Fitted, groove: Groove, numbers: GrooveNumbers
+) -> list[str]:
     """Return what is to be said of a trace whose shape is not quite a groove's.
 
     Raises
@@ -47,7 +110,7 @@ def check_shape(trace: StylusTrace, fit: Fitted, groove: Groove) -> list[str]:
             f"relief: expected a trace that shows grooves of pitch {groove.pitch / um:g} µm and "
             f"depth {groove.depth / um:g} µm"
         )
-    said = _differing(trace, fit)
+    said = _differing(trace, fit, numbers)
     off = shape_misfit(fit)
     options = (groove, fit.model.profile, trace.tip)
     if off > _REFUSED * relief or (
@@ -70,7 +133,7 @@ def _is_explained(fit: Fitted) -> bool:
     return fit.rms <= UNEXPLAINED * float(np.std(fit.model.levelled(fit.value)))
 
 
-def _differing(trace: StylusTrace, fit: Fitted) -> list[str]:
+def _differing(trace: StylusTrace, fit: Fitted, numbers: GrooveNumbers) -> list[str]:
     """Return what is to be said of grooves of different fill.
 
     Raises
@@ -86,9 +149,10 @@ def _differing(trace: StylusTrace, fit: Fitted) -> list[str]:
     if share < _DIFFER or not _differ(fit):
         return []
     far = int(np.argmax(np.abs(each - mean)))
+    name = numbers.words(_centres(fit.model, fit.value)[fit.whole][[far]])
     words = (
         f"the grooves' C are {each.min():.3g} … {each.max():.3g} /mm, ± {spread:.2g} /mm from "
-        f"groove to groove; groove {np.flatnonzero(fit.whole)[far] + 1} is farthest from the mean"
+        f"groove to groove; {name} is farthest from the mean"
     )
     if share > _UNLIKE:
         raise InputError(f"{trace.name}: z_um: {words}: expected grooves alike, of one coupon")
@@ -116,7 +180,10 @@ class OddGrooves:
 
 
 def odd_grooves(
-    used: StylusTrace, fit: Fitted, refit: Callable[[StylusTrace], Fitted]
+    used: StylusTrace,
+    fit: Fitted,
+    refit: Callable[[StylusTrace], Fitted],
+    numbers: GrooveNumbers,
 ) -> OddGrooves | None:
     """Return a trace without the grooves that leave far more than the others; None: all alike.
 
@@ -142,10 +209,14 @@ def odd_grooves(
         pairs = [np.isin(np.arange(count), (k, k + 1)) for k in range(count - 1)]
         out = min(pairs, key=lambda pair: float(np.mean(without(pair)[1])))
     rest, still = without(out)
-    gone = out[number]
     if float(np.mean(still)) >= _LESS * float(np.mean(left)):
         return None
-    return OddGrooves(rest, _odd_words(out, used.position[gone], left[gone], float(np.mean(still))))
+    names = numbers.words(_centres(fit.every, fit.value)[out])
+    words = (
+        f"{names} left out: {np.mean(left[out[number]]) / um:.2g} µm off on average, the others "
+        f"{np.mean(still) / um:.2g}: a prism is missing or cut there, or there is dirt"
+    )
+    return OddGrooves(rest, words)
 
 
 def _worst(
@@ -171,18 +242,6 @@ def _worst(
 def _stands_out(each: NDArray[np.float64]) -> bool:
     seen = each[each > 0]
     return bool(each.max() > max(_LEAVES, _TIMES * float(np.quantile(seen, 0.25))))
-
-
-def _odd_words(
-    out: NDArray[np.bool_], x: NDArray[np.float64], left: NDArray[np.float64], others: float
-) -> str:
-    """Return which grooves were left out, where, and by how much they differ."""
-    names = [str(k + 1) for k in np.flatnonzero(out)]
-    return (
-        f"groove{'s' if len(names) > 1 else ''} {' and '.join(names)} of {len(out)} (x "
-        f"{x.min() / um:.4g} … {x.max() / um:.4g} µm) left out: {np.mean(left) / um:.2g} µm off on "
-        f"average, the others {others / um:.2g}: a prism is missing or cut there, or there is dirt"
-    )
 
 
 def _left(fit: Fitted) -> NDArray[np.float64]:

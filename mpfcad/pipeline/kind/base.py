@@ -128,6 +128,10 @@ class Kind(ABC):
         """Return the distance [mm] of a height map's points along y unless the job says."""
         return DISTANCE_ALONG
 
+    def left_out(self) -> str | None:
+        """Return what of the resin is too thin for the CAD files, in words; None: nothing."""
+        return None
+
     def tile(self, first: int, count: int) -> "Kind | None":
         """Return some whole grooves of the piece as a film of its own; None: it is one piece."""
         return None

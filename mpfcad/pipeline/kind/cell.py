@@ -10,6 +10,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm, Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import Kind, Print, step_header
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
 from mpfcad.pipeline.kind.words import size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
@@ -54,6 +55,15 @@ class Cells(Kind):
         from mpfcad.cad.check.cell import VOLUME_LIMIT
 
         return check_agreement(step, stl, volume, VOLUME_LIMIT)
+
+    def left_out(self) -> str | None:
+        from mpfcad.cad.step.outline import drawn_sliver
+
+        film, sliver = self.film, drawn_sliver(max(self.film.size))
+        if film.profile == "ideal":
+            return None
+        thin = is_thin(film.groove, np.full(film.count, film.curvature), sliver)
+        return left_out_words(thin, sliver, "cells", thinnest_words(film.groove, sliver))
 
     def distance_along(self, across: float) -> float:
         return across

@@ -12,6 +12,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import FieldPiece, Imperfection, MadeFilm, PanelFilm, PrismFilm
 from mpfcad.pipeline.kind.base import FULL, Kind, Print, Reprint, step_header
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
@@ -54,6 +55,17 @@ class FieldGrooves(Kind):
             return replace(self.film, curvature=groove.curvature_of_fill(fill))
 
         return Reprint(self.film.curvature, film)
+
+    def left_out(self) -> str | None:
+        from mpfcad.cad.shape.field_mesh import mesh_sliver
+
+        film, sliver = self.film, mesh_sliver(self.film)
+        if film.profile == "ideal":
+            return None
+        thin = is_thin(film.groove, film.curvature, sliver)
+        detail = thinnest_words(film.groove, sliver)
+        # Patches end exactly where the resin does.
+        return left_out_words(thin, sliver, "places of the map", detail, "meshes, not the STEP,")
 
     def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step.body import check_film_body

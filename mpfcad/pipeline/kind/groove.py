@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.film import Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import FULL, Check, Kind, Print, Reprint, step_header
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 
@@ -63,6 +64,15 @@ class Grooves(Kind):
 
     def height(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.film.height(x) + 0 * y
+
+    def left_out(self) -> str | None:
+        from mpfcad.cad.shape.mesh import mesh_sliver
+
+        film, sliver = self.film, mesh_sliver(self.film)
+        if film.profile == "ideal":
+            return None
+        thin = is_thin(film.groove, film.curvature, sliver)
+        return left_out_words(thin, sliver, "grooves", thinnest_words(film.groove, sliver))
 
     def tile(self, first: int, count: int) -> Kind:
         return type(self)(self.film.cut(first, count, self.film.size[1]), self.table)

@@ -11,6 +11,7 @@ from mpfcad.film import MadeFilm, PrismFilm
 from mpfcad.film.section import Section
 from mpfcad.pipeline.kind.base import FULL, Check, Print, Reprint, step_header
 from mpfcad.pipeline.kind.groove import Grooves
+from mpfcad.pipeline.kind.thin import left_out_words
 from mpfcad.pipeline.kind.words import size_words
 from mpfcad.record import ResinCheck
 
@@ -74,6 +75,17 @@ class MadeGrooves(Grooves):
         is_parabola = made.measured is None and made.contact_angle is None
         parabolas = self.film.film if is_parabola else None
         return check_section_stl(path, self.section, self.angle, parabolas)
+
+    def left_out(self) -> str | None:
+        from mpfcad.cad.shape.mesh import mesh_sliver
+        from mpfcad.film.imperfection import SLIVER, resin_reach
+
+        film, made = self.film.film, self.film.imperfection
+        if film.profile == "ideal" or made.measured is not None:
+            return None
+        sliver = mesh_sliver(film)
+        thin = (resin_reach(film, made, SLIVER) > 0) & (resin_reach(film, made, sliver) == 0)
+        return left_out_words(thin, sliver, "grooves")
 
     def reprint(self, piece: PrismFilm) -> Reprint | None:
         film, own = self.film, self.film.resin_factor

@@ -19,6 +19,9 @@ class PieceCells(PieceGrooves):
     no_mask = "no print makes dishes, or what lies under bare walls"
     view_words = view_text("Cells", "in true proportion", "film.3mf")
 
+    def left_out(self) -> str | None:
+        return None if self.film.profile == "ideal" else super().left_out()
+
     @property
     def wanted(self) -> NDArray[np.float64]:
         """The map that was rounded, (n, m) [1/mm]."""

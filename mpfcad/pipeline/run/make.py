@@ -170,6 +170,12 @@ def write_cad(plan: Plan, folder: Path, formats: Sequence[str], progress: Progre
                 drawing.write(path, film.job.name)
 
 
+def left_out(plan: Plan) -> list[str]:
+    """Return what of each film's resin is too thin for its CAD files, one sentence a film."""
+    words = [(film, kind_of(film.drawn, film.job.cad).left_out()) for film in plan.films]
+    return [f"film{film.suffix}: {text}" for film, text in words if text]
+
+
 def mask_names(plan: Plan, formats: Sequence[str]) -> list[str]:
     """Return the names of a film's mask files in some formats."""
     return [plan.file("mask", suffix) for suffix in formats]

@@ -21,7 +21,7 @@ from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan
 from mpfcad.pipeline.plan.printed.printing import job_print_limits
 from mpfcad.pipeline.plan.restored import stored_job
 from mpfcad.pipeline.run.examine import Findings, traced_file
-from mpfcad.pipeline.run.make import MARKERS, MASK_FORMATS, PICTURE
+from mpfcad.pipeline.run.make import MARKERS, MASK_FORMATS, PICTURE, left_out
 from mpfcad.pipeline.run.plain import Traced
 from mpfcad.record import (
     Checks,
@@ -109,6 +109,7 @@ def build_record(
         psf=findings.psf,
         facets=findings.facets,
         colour=colour,
+        notes=left_out(plan),
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),

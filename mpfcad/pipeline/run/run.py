@@ -26,6 +26,7 @@ from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.make import (
     check_cad,
     check_masks,
+    left_out,
     mask_names,
     plan_mask,
     refuse_formats,
@@ -74,6 +75,8 @@ def run_job(
     plan = read_plan(with_covariance(job, job_file), job_file)
     for table in plan.stack.tables.values():
         progress.note(table.table.summary())
+    for note in left_out(plan):
+        progress.note(note)
     job = plan.job
     refuse_memory(run_need(plan, effort), str(job_file))
     masks = checked_masks(plan, job_file, out)
@@ -239,6 +242,8 @@ def make_cad(
     tiled = job.cad.stl == "tiles" and "stl" in formats
     whole = tuple(suffix for suffix in formats if not (tiled and suffix == "stl"))
     names = [film.file("film", suffix) for film in plan.films for suffix in whole]
+    for note in left_out(plan):
+        progress.note(note)
     with export_folder(out, "cad") as folder:
         write_curvature(plan, folder)
         write_cad(plan, folder, whole, progress)

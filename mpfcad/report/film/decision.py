@@ -54,12 +54,13 @@ def _luminance(record: Record) -> "go.Figure":
 
 
 def _notes(record: Record) -> list[str]:
-    """Return what is compared with what, and of a finite panel where its contrast is."""
+    """Return what is compared with what, of a finite panel where its contrast is, and notes."""
     judged = record.get("judged")
+    own = [f"{note}." for note in record.get("notes", ())]
     if not judged:
-        return [comparison_words(record)]
+        return [comparison_words(record), *own]
     place = f"Contrast: {judged['words']}. Luminance, pictures and curves: the panel's middle."
-    return [place, comparison_words(record)]
+    return [place, comparison_words(record), *own]
 
 
 def _luminance_words(record: Record) -> str:
