@@ -247,7 +247,7 @@ def test_figure_changed_together_with_its_hashes_is_found(own):
     write_manifest(own, record["name"], "run")
 
 
-@pytest.mark.parametrize("name", ["report.html", "mask.png"])
+@pytest.mark.parametrize("name", ["report.html", pytest.param("mask.png", marks=pytest.mark.slow)])
 def test_a_forged_page_or_picture_is_found_though_every_hash_holds(own, tmp_path, name):
     from mpfcad.export import canonical_json, sha256, write_manifest
 

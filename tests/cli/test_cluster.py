@@ -2,6 +2,7 @@
 
 import threading
 
+import dask
 import pytest
 from distributed import LocalCluster, Scheduler, SpecCluster, Worker
 
@@ -77,6 +78,7 @@ def test_who_vanishes_while_a_point_is_traced_is_one_line(refused, monkeypatch, 
 
     monkeypatch.setattr(clustered, "trace_point", hanging)
     monkeypatch.setattr(clustered, "_LOOK", 0.2)
+    monkeypatch.setitem(dask.config.config["distributed"]["comm"]["timeouts"], "connect", "1s")
     options = {"protocol": "inproc", "dashboard": False}
     of_one = {"cls": Worker, "options": {"nthreads": 1}}
     with SpecCluster(

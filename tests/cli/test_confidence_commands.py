@@ -11,6 +11,7 @@ from mpfcad.cli import run_app
 from mpfcad.confidence import probability
 from mpfcad.measure import POINTS, luminance, rounds
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
+from mpfcad.pipeline.confidence import runs as confidence_runs
 from mpfcad.pipeline.confidence.runs import Runs
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, MeasureSetting
 from mpfcad.record import published_schema
@@ -48,6 +49,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.setattr(rounds, "LEAST_PATHS", 30_000)
     monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 8)
     monkeypatch.setattr(probability, "_RESPONSES", 20)
+    monkeypatch.setattr(confidence_runs, "_SMOOTH", 0.05)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))
     monkeypatch.setitem(MEASURE_SETTINGS, "quick", MeasureSetting(*(10.0,) * 8))
 

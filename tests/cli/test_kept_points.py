@@ -1,6 +1,7 @@
 """A sweep takes kept points of the same backlight, code and settings, and no damaged ones."""
 
 import json
+import shutil
 
 import pytest
 
@@ -46,6 +47,25 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """Give a folder whose sweep was run once: its kept points, what it told and its dataset."""
+    folder = tmp_path_factory.mktemp("swept")
+    (folder / "sweep.toml").write_text(SWEEP)
+    (folder / "own.toml").write_text(STACK)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MPFCAD_CACHE", str(folder / "cache"))
+        return folder, *swept(folder)
+
+
+@pytest.fixture
+def done(first, folder):
+    """Give the folder with what `first` has kept and made, and its dataset."""
+    shutil.copytree(first[0] / "cache", folder / "cache")
+    shutil.copytree(first[0] / "out", folder / "out")
+    return folder, first[2]
+
+
 def swept(folder, out="out"):
     """Return what a sweep tells, and the bytes of its dataset."""
     told, file = Told(), folder / "sweep.toml"
@@ -59,9 +79,9 @@ def keys(folder):
     return [build_point(sweep, file, place).key() for place in sweep.points()]
 
 
-def test_a_kept_point_is_not_traced_again(folder):
-    told, data = swept(folder)
-    assert told.stages[0] == "0 of 2 points are there"
+def test_a_kept_point_is_not_traced_again(first, done):
+    folder, data = done
+    assert first[1].stages[0] == "0 of 2 points are there"
     told, again = swept(folder, "again")
     assert told.stages[0] == "2 of 2 points are there" and again == data
     # More points keep those that are there.
@@ -103,8 +123,8 @@ def test_where_the_files_lie_makes_no_difference(folder, tmp_path):
     assert keys(other) == before
 
 
-def test_edited_layers_are_traced_anew(folder):
-    told, full = swept(folder)
+def test_edited_layers_are_traced_anew(done):
+    folder, full = done
     (folder / "own.toml").write_text(STACK.replace('"bottom_sheet", "film", "top_sheet"', '"film"'))
     told, bare = swept(folder)
     assert told.stages[0] == "0 of 2 points are there"
@@ -128,8 +148,8 @@ def test_other_code_takes_no_old_points(folder, monkeypatch):
 
 
 @pytest.mark.parametrize("how", ["flip a digit", "empty", "cut", "NULs", "no JSON"])
-def test_a_damaged_point_is_said_and_traced_again(folder, how):
-    told, whole = swept(folder)
+def test_a_damaged_point_is_said_and_traced_again(done, how):
+    folder, whole = done
     path = Store(folder / "cache").path("point", keys(folder)[0])
     content = bytearray(path.read_bytes())
     at = content.index(b'"mean_luminance_cd_m2"') + 40
@@ -147,8 +167,8 @@ def test_a_damaged_point_is_said_and_traced_again(folder, how):
     assert str(path) in note and "computed again" in note
 
 
-def test_what_is_kept_is_what_is_reported(folder):
-    swept(folder)
+def test_what_is_kept_is_what_is_reported(done):
+    folder, _ = done
     record = json.loads((folder / "out" / "sweep.json").read_bytes())
     kept = [Store(folder / "cache").read_json("point", key) for key in keys(folder)]
     assert record["points"] == kept

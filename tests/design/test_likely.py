@@ -12,6 +12,7 @@ from mpfcad.design.optimum import map_on_cells
 from mpfcad.job.design import Design
 from mpfcad.job.reader import validate
 from mpfcad.measure import POINTS
+from mpfcad.pipeline.confidence import runs as confidence_runs
 from mpfcad.pipeline.confidence.find import Asked
 from mpfcad.pipeline.confidence.runs import Runs
 from mpfcad.pipeline.design import judged, likely
@@ -38,6 +39,7 @@ def work(tmp_path, lamps, monkeypatch):
     made.__dict__["response"] = lamps
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setattr(likely, "_DRAWS", 100)
+    monkeypatch.setattr(confidence_runs, "_SMOOTH", 0.05)
     monkeypatch.setattr(scenario, "_SOFT", (0.15,))
     asked = []
 

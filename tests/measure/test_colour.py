@@ -171,6 +171,7 @@ def test_leds_have_the_luminance_of_their_bands_and_a_colour_over_the_cell(tmp_p
     assert len(backward.position) == 64 and backward.mean.x.value > 0.17
 
 
+@pytest.mark.slow
 def test_colours_over_a_cell_are_those_of_paths_from_the_meter(tmp_path):
     from mpfcad.measure.colour.screen import _of_parts, _of_points, _over_cell
 

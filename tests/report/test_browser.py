@@ -314,13 +314,16 @@ def test_every_picture_and_plot_has_words(page):
     assert all(b - a <= 1 for a, b in pairwise(levels))
 
 
-def test_a_checker_of_accessibility_finds_nothing(browser, export):
+@pytest.mark.parametrize(
+    ("width", "dark"),
+    [(390, False), *(pytest.param(1200, dark, marks=pytest.mark.slow) for dark in (False, True))],
+)
+def test_a_checker_of_accessibility_finds_nothing(browser, export, width, dark):
     """axe-core: names, roles, headings, landmarks, contrast, targets of the keyboard."""
-    for width, dark in ((1200, False), (390, False), (1200, True)):
-        browser.open((export / "report.html").as_uri(), width, dark)
-        browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
-        browser.run(f"(() => {{ {AXE.read_text('utf-8')} }})() ?? 0")
-        assert browser.run(AXE_RUN) == []
+    browser.open((export / "report.html").as_uri(), width, dark)
+    browser.run("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    browser.run(f"(() => {{ {AXE.read_text('utf-8')} }})() ?? 0")
+    assert browser.run(AXE_RUN) == []
 
 
 def test_the_tabulator_reaches_all_that_moves_and_shows_where_it_is(browser, export):
@@ -366,7 +369,7 @@ def test_a_page_whose_width_changes_draws_on(browser, export):
     assert browser.errors == []
 
 
-@pytest.mark.parametrize("paper", [A4, LETTER])
+@pytest.mark.parametrize("paper", [A4, pytest.param(LETTER, marks=pytest.mark.slow)])
 def test_a_printed_page_shows_the_whole_verdict(browser, export, paper):
     browser.open((export / "report.html").as_uri())
     (export.parent / "page.pdf").write_bytes(browser.print(*paper))
