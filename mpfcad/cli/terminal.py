@@ -251,6 +251,16 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
             print(f"{table['file']}: {note}")
 
 
+def _noise(estimate: dict[str, Any] | None) -> str:
+    """Return the standard error of an estimate, the interval of one that has none."""
+    if estimate is None:
+        return ""
+    if "standard_error" in estimate:
+        return f"± {estimate['standard_error']:.2g}"
+    low, high = estimate["ci95"]
+    return f"[{low:.6g}, {high:.6g}]"
+
+
 def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) -> None:
     """Print the figures of a measurement with their standard errors, or the whole record."""
     if as_json:
@@ -259,8 +269,7 @@ def print_measurement(record: dict[str, Any], folder: Path, *, as_json: bool) ->
     figures = {name: value for name, value in record.items() if name != "confidence"}
     for name, estimate in _estimates(figures):
         value = "–" if estimate is None else f"{estimate['value']:.6g}"
-        error = "" if estimate is None else f"± {estimate['standard_error']:.2g}"
-        print(f"{name:<58}{value:>12} {error}")
+        print(f"{name:<58}{value:>12} {_noise(estimate)}")
     if "confidence" in record:
         print_confidence(record["confidence"])
     print(folder / "measure.html")

@@ -1,6 +1,7 @@
 """`mpfcad measure` and `mpfcad compare` with short traces: files, figures, and what is kept."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -127,6 +128,18 @@ def test_leds_are_measured_as_the_published_schemas_say(led, capsys):
     for missing in ("cell", "points", "energy"):
         with pytest.raises(ValidationError):
             validate({key: value for key, value in figures.items() if key != missing}, schema)
+
+
+def test_a_finite_panel_prints_the_contrast_of_each_pitch(place, capsys):
+    (place / "panel.toml").write_text(
+        'extends = "thesis-32in-mpf"\nextent = "panel"\n[value]\nlamp_count = 4\n'
+        "lamp_pitch_mm = 8.0\npanel_width_mm = 36.0\nlamp_2_luminance_factor = 0.5\n"
+    )
+    assert app("measure", "panel.toml", "--what", "contrast", "--out", "panel") == 0
+    figures = capsys.readouterr().out
+    pitches = [line for line in figures.splitlines() if line.startswith("contrast.pitches.")]
+    assert len(pitches) == 3
+    assert all(re.search(r" 0\.\d+ \[\d\.?\d*, 0\.\d+\]$", line) for line in pitches), pitches
 
 
 def test_the_same_figures_again_are_not_traced_again(place, measured, monkeypatch):
