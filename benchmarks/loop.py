@@ -1,10 +1,13 @@
 """The loop after the print, closed in made-up factories: how often the next film passes.
 
-`python benchmarks/loop.py [JOB] [--draws N] [--first K] [--json]`. A factory is a backlight and a
-printing process drawn from the widths of the job; nobody tells the program which. Its first print
-is that of the job. A meter measures the print over two lamp pitches, coupons tell the process, and
-`mpfcad correct --solids auto` writes the next job, which the same factory prints. Each print lies
-elsewhere against the lamps. About two CPU minutes a factory.
+`python benchmarks/loop.py [JOB] [--draws N] [--first K] [--renderer R] [--json]`. A factory is a
+backlight and a printing process drawn from the widths of the job; nobody tells the program which.
+Its first print is that of the job. A meter measures the print over two lamp pitches, coupons tell
+the process, and `mpfcad correct --solids auto` writes the next job, which the same factory prints.
+Each print lies elsewhere against the lamps. About two CPU minutes a factory.
+
+With `--renderer mitsuba` (the extra `benchmark`; LLVM 16 or newer, DRJIT_LIBLLVM_PATH names it) the
+factory's light is traced by Mitsuba from the STL of the print: its points are what is measured.
 """
 
 import argparse
@@ -16,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from tracer.look import PLACES, Seen, look, write_seen
 
 ROOT = Path(__file__).parents[1]
 JOB = ROOT / "masks" / "patterned-16mm.toml"
@@ -26,6 +30,8 @@ METER, STYLUS = 0.002, 0.5
 COUPONS = (0.06, 0.10, 0.16, 0.24, 0.34, 0.46, 0.60, 0.75, 0.90)
 #: Places along two lamp pitches.
 MEASURED = 49
+#: Lamps of Mitsuba's row: a film beside its place is not its own mirror image about one.
+LAMPS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +77,9 @@ def draw_factory(variants, process, seed: int) -> Factory:
 
 
 def printed(factory: Factory, variants, plan, process, folder: Path):
-    """Return the luminance over the pitch of the film that the factory makes of a mask."""
+    """Return the scene of the film that the factory makes of a mask, its mesh and place [mm]."""
     from mpfcad.cad import write_stl
-    from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
-    from mpfcad.pipeline.effort import available_threads
+    from mpfcad.measure import light_film
 
     change = {f.name: z * f.sigma for f, z in zip(factory.factors, factory.steps, strict=True)}
     piece, groove = plan.piece, plan.piece.groove
@@ -96,20 +101,35 @@ def printed(factory: Factory, variants, plan, process, folder: Path):
     }  # fmt: skip
     sigma = next(f.sigma for f in factory.factors if f.name == "registration_mm")
     shift = plan.offset + factory.rng.normal(0, sigma)
-    run = TraceRun(
-        seed=int(factory.rng.integers(1 << 32)), path_limit=8_000_000,
-        threads=available_threads(),
-    )  # fmt: skip
-    lit = light_film(stack.with_values(values), path, shift)
-    return luminance_over_pitch(lit, run, half_width_goal=0.001)
+    return light_film(stack.with_values(values), path, shift), path, shift
 
 
-def measure(factory: Factory, light, pitch: float, file: Path) -> None:
-    """Write what a meter reads of a print over two lamp pitches."""
+def lit_up(factory: Factory, scene, renderer: str, paths: float):
+    """Return a print's contrast, with its interval, and what shows of it over the pitch."""
+    from mpfcad.measure import TraceRun, luminance_over_pitch
+    from mpfcad.pipeline.effort import available_threads
+
+    lit, path, shift = scene
+    seed = int(factory.rng.integers(1 << 32))
+    if renderer == "mitsuba":
+        seen = look(renderer, lit, path, shift, paths, seed >> 15, LAMPS)
+        return seen.contrast(), seen
+    run = TraceRun(seed=seed, path_limit=8_000_000, threads=available_threads())
+    light = luminance_over_pitch(lit, run, half_width_goal=0.001)
+    # The noise of the trace is no error of the meter.
+    return light.contrast, Seen(PLACES, light.central_curve, 0 * PLACES)
+
+
+def measure(factory: Factory, seen: Seen, pitch: float, file: Path) -> None:
+    """Write what a meter reads of a print over two lamp pitches, or of a rendering over one."""
+    noise = METER * factory.rng.standard_normal(MEASURED)
+    if seen.error.any():
+        value = seen.luminance * (1 + noise[: len(PLACES)])
+        write_seen(Seen(PLACES, value, np.hypot(seen.error, METER * value)), pitch, file)
+        return
     place = np.linspace(0, 2, MEASURED)
-    true = np.interp(place % 1, light.position_pitch, light.central_curve)
-    seen = true * (1 + METER * factory.rng.standard_normal(MEASURED))
-    lines = [f"{p * pitch:.4f},{v:.2f}" for p, v in zip(place, seen, strict=True)]
+    true = np.interp(place % 1, seen.position, seen.luminance)
+    lines = [f"{p * pitch:.4f},{v:.2f}" for p, v in zip(place, true * (1 + noise), strict=True)]
     file.write_text("\n".join(["position_mm,luminance_cd_m2", *lines, ""]), "utf-8")
 
 
@@ -135,7 +155,7 @@ def coupons(factory: Factory, plan, file: Path) -> None:
     write_tone_process(file, found, groove, prior, screen)
 
 
-def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
+def run_factory(job: Path, seed: int, folder: Path, asked) -> dict:
     """Return the contrasts of a factory's prints and what was predicted of them."""
     from mpfcad.job import read_job
     from mpfcad.pipeline.confidence.find import variants_of
@@ -152,15 +172,17 @@ def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
         process, pitch = plan.process, plan.stack.period.across
         factory = draw_factory(variants, process, seed)
         coupons(factory, plan, folder / "coupons.toml")
-        found, told, limit = [], [], plan.job.gates.contrast_pass
-        for number in range(corrections + 1):
-            light = printed(factory, variants, plan, process, folder)
-            found.append(light.contrast.value)
-            if number == corrections or found[-1] <= limit:
+        found, interval, told, limit = [], [], [], plan.job.gates.contrast_pass
+        for number in range(asked.corrections + 1):
+            scene = printed(factory, variants, plan, process, folder)
+            contrast, seen = lit_up(factory, scene, asked.renderer, asked.million * 1e6)
+            found.append(contrast.value)
+            interval.append([contrast.low, contrast.high])
+            if number == asked.corrections or found[-1] <= limit:
                 break
             export = folder / f"export-{number}"
             run_job(read_job(job), job, export, effort="quick")
-            measure(factory, light, pitch, folder / f"measured-{number}.csv")
+            measure(factory, seen, pitch, folder / f"measured-{number}.csv")
             out = folder / f"next-{number}"
             record = correct_print(
                 export, folder / f"measured-{number}.csv", Judging(lamp=0.0), out,
@@ -168,6 +190,7 @@ def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
             )  # fmt: skip
             told.append({
                 "contrast": record["predicted_lamp_mura_contrast"]["value"],
+                "ci95": record["predicted_lamp_mura_contrast"]["ci95"],
                 "confidence": record["confidence"],
                 "solids_fraction": record["solids_fraction"]["next"],
                 "share_at_limits": record["share_at_limits"],
@@ -178,6 +201,7 @@ def run_factory(job: Path, seed: int, folder: Path, corrections: int) -> dict:
         "seed": seed,
         "limit": limit,
         "contrast": found,
+        "ci95": interval,
         "told": told,
         "log_fill": float(np.mean(factory.log_fill)),
     }
@@ -190,12 +214,14 @@ def main() -> int:
     parser.add_argument("--draws", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--corrections", type=int, default=2)
+    parser.add_argument("--renderer", choices=("own", "mitsuba"), default="own")
+    parser.add_argument("--million", type=float, default=3.0, help="Mitsuba's paths a print")
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()
     rows = []
     for number in range(asked.first, asked.first + asked.draws):
         with tempfile.TemporaryDirectory() as temporary:
-            rows.append(run_factory(asked.job, SEED + number, Path(temporary), asked.corrections))
+            rows.append(run_factory(asked.job, SEED + number, Path(temporary), asked))
         print(json.dumps(rows[-1]), file=sys.stderr, flush=True)
     passed = sum(row["contrast"][-1] <= row["limit"] for row in rows)
     print(json.dumps(rows, indent=1) if asked.json else f"{passed} of {len(rows)} within the limit")

@@ -54,12 +54,12 @@ def film_rows(folder, quick, present):
     scale = 1 if quick else 4
     for kind in ("transmittance", "normal luminance"):
         lambertian = kind == "transmittance"
-        for what, file, mirrors, goal in (("mesh", path, 0, 5), ("cell", cell, PITCH, None)):
+        for what, file, beside, goal in (("mesh", path, 0, 5), ("cell", cell, PITCH, None)):
             name = f"film, {kind}, beside Mitsuba ({what})"
             if not present["mitsuba"]:
                 yield entry(f"{name}: absent", None, "k/s")
                 continue
-            peer = mitsuba_film(file, 1.5, lambertian, mirrors=mirrors)
+            peer = mitsuba_film(file, 1.5, lambertian, beside=beside)
             counts = (scale * 1_000_000, scale * 500_000)
             yield from race(name, ours(path, kind), peer, counts, 3, goal)
         if not present["raysect"]:
@@ -112,9 +112,9 @@ def pyramid_rows(folder, quick, present):
         yield entry(f"{field}, beside Mitsuba: absent", None, "k/s")
         return
     cell = pyramids(folder / "few.stl", 8)
-    for what, file, mirrors in (("mesh", path, 0), ("cell", cell, PITCH)):
+    for what, file, beside in (("mesh", path, 0), ("cell", cell, PITCH)):
         for kind in ("transmittance", "normal luminance"):
             lambertian = kind == "transmittance"
-            peer = mitsuba_film(file, 1.5, lambertian, mirrors=mirrors, top=190.0)
+            peer = mitsuba_film(file, 1.5, lambertian, beside=beside, top=190.0)
             name = f"{field}, {kind}, beside Mitsuba ({what})"
             yield from race(name, ours(path, kind), peer, (500_000, 500_000), 3, 1.5)

@@ -1,21 +1,7 @@
-"""The benchmark's meshes: those that the tests do not have, and any as vertices and facets."""
-
-import functools
+"""The benchmark's meshes that the tests do not have."""
 
 import numpy as np
 from harness import REENTRANT, drawn, row, write_facets
-
-
-@functools.lru_cache(maxsize=1)
-def read_mesh(path):
-    """Return vertices (v, 3) [mm] about the middle of the mesh, z from below, and facets."""
-    record = np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
-    corner = np.fromfile(path, record, offset=84)["v"].reshape(-1, 3).astype(float)
-    low, high = corner.min(axis=0), corner.max(axis=0)
-    # The middle over a tip, whatever the number of grooves.
-    middle = np.array([round((high[0] - low[0]) / 2 / 0.05) * 0.05, (high[1] - low[1]) / 2, 0.0])
-    vertex, facet = np.unique(corner - low - middle, axis=0, return_inverse=True)
-    return vertex, facet.reshape(-1, 3)
 
 
 def reentrant_grooves(path, count):

@@ -9,13 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from tracer.mesh import read_mesh
+from tracer.stl import read_mesh
 
 PITCH = 50.0  # µm
 
 
 def film_shape(mi, path, index, to_world=None):
     vertex, facet = read_mesh(path)
+    return mesh_shape(mi, vertex * 1e3, facet, index, to_world)
+
+
+def mesh_shape(mi, vertex, facet, index, to_world=None):
+    """Return vertices (v, 3) [µm] and facets (t, 3) as a shape of a refractive index."""
     record = np.zeros(len(facet), [("count", "u1"), ("vertex", "<i4", 3)])
     record["count"], record["vertex"] = 3, facet
     with tempfile.TemporaryDirectory() as folder:
@@ -25,7 +30,7 @@ def film_shape(mi, path, index, to_world=None):
             f"{len(vertex)}\nproperty float x\nproperty float y\nproperty float z\nelement face "
             f"{len(facet)}\nproperty list uchar int vertex_indices\nend_header\n"
         )
-        ply.write_bytes(header.encode() + (vertex * 1e3).astype("<f4").tobytes() + record.tobytes())
+        ply.write_bytes(header.encode() + vertex.astype("<f4").tobytes() + record.tobytes())
         glass = {"type": "dielectric", "int_ior": index, "ext_ior": 1.0}
         mesh = {"type": "ply", "filename": str(ply), "face_normals": True, "bsdf": glass}
         return mi.load_dict(mesh if to_world is None else {**mesh, "to_world": to_world})
@@ -40,11 +45,13 @@ def mitsuba():
 
 
 def plane(mi, z, half, **more):
-    to_world = mi.ScalarTransform4f().translate([0, 0, z]).scale([half, half, 1])
+    """Return a rectangle at height z, `half` as long as it is: of both sides, or of x and y."""
+    x, y = np.broadcast_to(half, 2).tolist()
+    to_world = mi.ScalarTransform4f().translate([0, 0, z]).scale([x, y, 1])
     return {"type": "rectangle", "to_world": to_world, **more}
 
 
-def _tracer(mi, scene, origin, direction):
+def path_tracer(mi, scene, origin, direction):
     """Return trace(n, seed) → (mean, standard error) for rays from origin(u), direction(v)."""
     import drjit as dr
 
@@ -61,10 +68,10 @@ def _tracer(mi, scene, origin, direction):
     return trace
 
 
-def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=0.0, top=180.0):
+def mitsuba_film(path, index, lambertian, reflectance=0.0, beside=0.0, top=180.0):
     """Put a film over an emitter of radiance 1 and a reflectance, between black halves otherwise.
 
-    `mirrors` [µm]: all but what lies as near to the middle is cut off by four perfect mirrors.
+    `beside` [µm]: all but what lies as near to the middle is cut off by four perfect mirrors.
     """
     mi = mitsuba()
     light = {
@@ -73,8 +80,8 @@ def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=0.0, top=180.
     }
     world = {"type": "scene", "film": film_shape(mi, path, index)}
     world["light"] = plane(mi, -1.0, 3e5, **light)
-    if mirrors:
-        _mirrors(mi, world, mirrors, 100, 500)
+    if beside:
+        mirrors(mi, world, (beside, beside), 100, 500)
 
     def origin(u):
         return mi.Point3f((u.x - 0.5) * PITCH, (u.y - 0.5) * PITCH, top)
@@ -85,10 +92,10 @@ def mitsuba_film(path, index, lambertian, reflectance=0.0, mirrors=0.0, top=180.
         d = mi.warp.square_to_cosine_hemisphere(v)
         return mi.Vector3f(d.x, d.y, -d.z)
 
-    return _tracer(mi, mi.load_dict(world), origin, direction)
+    return path_tracer(mi, mi.load_dict(world), origin, direction)
 
 
-def _sheet_class(mi):
+def sheet_class(mi):
     """Return the tracer's own sheet as a BSDF in Python, which the vectorised variant compiles."""
     import drjit as dr
 
@@ -143,11 +150,33 @@ def mitsuba_stack(path, stack, points):
     of a box. Lamps are emitters that next-event estimation knows.
     """
     mi = mitsuba()
-    mi.register_bsdf("sheet", _sheet_class(mi))
-    cavity, plate, bottom, film, top = stack
-    mm, pitch = 1e3, cavity.lamp_pitch
+    mi.register_bsdf("sheet", sheet_class(mi))
+    pitch, mm = stack[0].lamp_pitch, 1e3
     wall = pitch * mm
-    half = 1.05 * wall
+    film = film_shape(mi, path, stack[3].index)
+    world, start = stack_world(mi, stack, film, (-wall / 2, wall / 2), (wall, wall))
+    scene = mi.load_dict(world)
+
+    def trace_at(u):
+        x = (u * pitch - pitch / 2) * mm
+        return path_tracer(
+            mi, scene,
+            lambda s: mi.Point3f(x + (s.x - 0.5) * mm, (s.y - 0.5) * PITCH, start),
+            lambda v: mi.Vector3f(0, 0, -1),
+        )  # fmt: skip
+
+    return [trace_at(u) for u in points]
+
+
+def stack_world(mi, elements, film, axes, walls):
+    """Return the MPF stack between mirrors, and a height [µm] over it.
+
+    elements: cavity, clear plate, sheet, film, sheet. film: its shape, from z = 0 up. axes: x of
+    the lamps [µm]. walls: x and y of the mirrors [µm]. Lamps are emitters that next-event
+    estimation knows.
+    """
+    cavity, plate, bottom, _, top = elements
+    mm, half = 1e3, [1.05 * wall for wall in walls]
     grey = {"type": "rgb", "value": cavity.reflectance}
     # Heights count from the film: Mitsuba's ray offset is 9e-5 of the largest coordinate.
     floor = -cavity.height * mm - plate.thickness * mm - 20
@@ -156,10 +185,10 @@ def mitsuba_stack(path, stack, points):
         "diffuse": {"type": "diffuse", "reflectance": grey},
         "mirror": {"type": "conductor", "material": "none", "specular_reflectance": grey},
     })}  # fmt: skip
-    for side in (-1, 1):
-        x, z = side * pitch / 2 * mm, floor + cavity.lamp_height * mm
-        world[f"lamp{side}"] = {
-            "type": "cylinder", "p0": [x, -wall, z], "p1": [x, wall, z],
+    z = floor + cavity.lamp_height * mm
+    for number, x in enumerate(axes):
+        world[f"lamp{number}"] = {
+            "type": "cylinder", "p0": [x, -walls[1], z], "p1": [x, walls[1], z],
             "radius": cavity.lamp_radius * mm,
             "emitter": {"type": "area",
                         "radiance": {"type": "rgb", "value": cavity.lamp_luminance}},
@@ -169,7 +198,7 @@ def mitsuba_stack(path, stack, points):
     z = floor + cavity.height * mm
     box = mi.ScalarTransform4f().translate([0, 0, z + plate.thickness * mm / 2])
     world["plate"] = {
-        "type": "cube", "to_world": box.scale([half, half, plate.thickness * mm / 2]),
+        "type": "cube", "to_world": box.scale([*half, plate.thickness * mm / 2]),
         "bsdf": {"type": "dielectric", "int_ior": plate.index, "ext_ior": 1.0},
     }  # fmt: skip
 
@@ -177,33 +206,22 @@ def mitsuba_stack(path, stack, points):
         return {"type": "sheet", "sigma": element.sigma, "index": element.index,
                 "transmission": element.transmission}  # fmt: skip
 
-    z += plate.thickness * mm + 10
-    world["bottom"] = plane(mi, z, half, bsdf=sheet(bottom))
-    world["film"] = film_shape(mi, path, film.index)
-    z = world["film"].bbox().max.z + 10
+    world["bottom"] = plane(mi, z + plate.thickness * mm + 10, half, bsdf=sheet(bottom))
+    world["film"] = film
+    z = film.bbox().max.z + 10
     world["top"] = plane(mi, z, half, bsdf=sheet(top))
-    _mirrors(mi, world, wall, floor / 2, -floor)
-    scene = mi.load_dict(world)
-
-    def trace_at(u):
-        x = (u * pitch - pitch / 2) * mm
-        return _tracer(
-            mi, scene,
-            lambda s: mi.Point3f(x + (s.x - 0.5) * mm, (s.y - 0.5) * PITCH, z + 10),
-            lambda v: mi.Vector3f(0, 0, -1),
-        )  # fmt: skip
-
-    return [trace_at(u) for u in points]
+    mirrors(mi, world, walls, floor / 2, -floor)
+    return world, z + 10
 
 
-def _mirrors(mi, world, beside, height, half):
-    """Add four upright perfect mirrors about the origin, `half` [µm] to each side of `height`."""
+def mirrors(mi, world, walls, height, half):
+    """Add four upright perfect mirrors at ± x and ± y [µm], `half` to each side of `height`."""
     for i, (axis, angle) in enumerate((((0, 1, 0), 90), ((1, 0, 0), 90))):
         for side in (-1, 1):
             place = [0, 0, height]
-            place[i] = side * beside
+            place[i] = side * walls[i]
             turn = mi.ScalarTransform4f().translate(place).rotate(axis, angle)
             world[f"mirror{i}{side}"] = {
-                "type": "rectangle", "to_world": turn.scale(max(half, 1.1 * beside)),
+                "type": "rectangle", "to_world": turn.scale(max(half, 1.1 * max(walls))),
                 "bsdf": {"type": "twosided", "bsdf": {"type": "conductor", "material": "none"}},
             }  # fmt: skip

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tracer.mesh import read_mesh
 from tracer.mitsuba_scene import PITCH
+from tracer.stl import read_mesh
 
 
 def raysect_film(path, index, lambertian):

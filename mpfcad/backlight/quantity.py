@@ -137,18 +137,29 @@ def read_quantity(
         raise InputError(f"{where}.{key}: {value!r}: expected a number in {low:g} … {high:g}")
     if key.endswith("_count") and value != int(value):
         raise InputError(f"{where}.{key}: {value}: expected a whole number")
-    sigma = _read_sigma(f"{where}.{key}", value, entry) if isinstance(entry, dict) else None
+    sigma = None
+    if isinstance(entry, dict):
+        sigma = _read_sigma(f"{where}.{key}", value, entry, limits)
     return Quantity(value, tagged, source, sigma)
 
 
-def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | None:
-    """Return the standard uncertainty that an entry states; a range is taken as uniform."""
+def _read_sigma(where: str, value: float, entry: dict[str, object], limits: Range) -> float | None:
+    """Return the standard uncertainty that an entry states; a range is taken as uniform.
+
+    Neither reaches beyond what the value can be.
+    """
+    least, most = limits
     if "sigma" in entry and "range" in entry:
         raise InputError(f"{where}: sigma and range: expected one of them")
     if "sigma" in entry:
         sigma = entry["sigma"]
         if not _is_number(sigma) or not sigma >= 0:
             raise InputError(f"{where}.sigma: {sigma!r}: expected a number of 0 or more")
+        if sigma > most - least:
+            raise InputError(
+                f"{where}.sigma: {sigma:g}: expected at most {most - least:g}, as much as the "
+                "value can be off"
+            )
         return float(sigma)
     if "range" not in entry:
         return None
@@ -158,6 +169,8 @@ def _read_sigma(where: str, value: float, entry: dict[str, object]) -> float | N
     low, high = map(float, ends)
     if not low <= value <= high:
         raise InputError(f"{where}.range: {ends}: expected to hold the value {value:g}")
+    if low < least or high > most:
+        raise InputError(f"{where}.range: {ends}: expected to lie within {least:g} … {most:g}")
     return (high - low) / math.sqrt(12)
 
 

@@ -42,6 +42,12 @@ def test_a_stated_width_and_a_range_stand_above_it():
         ({"value": 20, "range": [21, 22]}, "expected to hold the value 20"),
         ({"value": 20, "range": 3}, r"range: 3: expected \[lowest, highest\]"),
         ({"value": 20, "range": [19, 21], "sigma": 1}, "sigma and range: expected one"),
+        ({"value": 20, "sigma": 1e300}, "sigma: 1e\\+300: expected at most 999.9"),
+        (
+            {"value": 20, "range": [0.05, 30]},
+            r"range: \[0.05, 30\]: expected to lie within 0.1 … 1000",
+        ),
+        ({"value": 20, "range": [10, 2000]}, "expected to lie within 0.1 … 1000"),
         ({"value": 20, "width": 1}, "expected keys: range, sigma, source, tag, value"),
     ],
 )
