@@ -169,6 +169,7 @@ def _flat(where: str, values: Mapping[str, Any]) -> dict[str, tuple[str, object]
     for key, entry in values.items():
         if (
             isinstance(entry, Mapping)
+            and entry
             and "value" not in entry
             and not {"tag", "source", *LAWS} & {*entry}
         ):

@@ -153,6 +153,8 @@ def test_unknown_presets_and_missing_files(tmp_path):
             ["film_index", "sigma, source, tag, value"],
         ),
         ('[value]\nfilm_index = { tag = "given" }\n', ["film_index"]),
+        ("[value]\nfilm_index = {}\n", ["value.film_index: {}", "range, sigma, source, tag, value"]),
+        ('layers = ["film", { kind = "bef", index = {} }]\n', ["bef_2.index: {}", "value"]),
         (
             '[value]\nfilm_index = { value = 1.5, tag = "guess" }\n',
             ["film_index", "guess", "given"],
@@ -180,6 +182,7 @@ def test_overrides_are_checked_like_values():
     refused(MPF, "stack.override", "film_indx", overrides={"film_indx": 1.5})
     refused(MPF, "thickness_mm", "5.2", thickness=5.0)
     refused(MPF, "nan", thickness=math.nan)
+    refused(MPF, "stack.override.film_index: {}", overrides={"film_index": {}})
 
 
 @pytest.mark.parametrize(
