@@ -153,7 +153,7 @@ def test_unknown_presets_and_missing_files(tmp_path):
             ["film_index", "sigma, source, tag, value"],
         ),
         ('[value]\nfilm_index = { tag = "given" }\n', ["film_index"]),
-        ("[value]\nfilm_index = {}\n", ["value.film_index: {}", "range, sigma, source, tag, value"]),
+        ("[value]\nfilm_index = {}\n", ["value.film_index: {}", "range, sigma"]),
         ('layers = ["film", { kind = "bef", index = {} }]\n', ["bef_2.index: {}", "value"]),
         (
             '[value]\nfilm_index = { value = 1.5, tag = "guess" }\n',
