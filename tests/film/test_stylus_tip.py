@@ -1,5 +1,7 @@
 """The stylus's tip undone: closed form against morphology, and intervals against known truth."""
 
+import re
+
 import numpy as np
 import pytest
 from simulated_trace import simulate
@@ -79,7 +81,8 @@ def test_a_tip_that_did_not_trace_it_is_found():
     trace = traced(60.0, None)
     wrong = StylusTrace(trace.position, trace.height, "t.csv", StylusTip(2.5e-3))
     fit = fit_stylus_trace(wrong, BEF)
-    assert "; tips from sharp to 0." in fit.notes[0]
+    # A shape is the model's to 15 nm at best, which a ball of 1 µm does not leave of a free trace.
+    assert re.search(r"; tips from sharp to [01]\.", fit.notes[0])
     assert "sharper than its tip of 2.5 µm" in fit.notes[0]
     assert fit.curvature.low <= 60.0 + 1e-6
     assert fit.curvature.high >= 60.0 - 1e-6
@@ -107,7 +110,7 @@ def test_a_gain_of_three_percent_is_named_and_both_readings_held():
 
 def test_a_film_of_another_pitch_is_named():
     other = Groove(0.051, 0.0255)
-    fit = fit_stylus_trace(traced(55.0, None, other), BEF)
+    fit = fit_stylus_trace(traced(55.0, StylusTip(0.0), other), BEF)
     assert any("positions read +2.0%" in note for note in fit.notes)
     assert fit.curvature.value == pytest.approx(55.0, abs=0.01)
     assert fit.pitch == pytest.approx(0.051, abs=1e-6)
@@ -137,6 +140,15 @@ def test_resin_that_a_blunt_tip_does_not_reach_may_be_none(curvature):
     fit = fit_stylus_trace(traced(curvature, StylusTip(12.5e-3), noise=2e-5), BEF)
     assert fit.fill_fraction.low < 1e-6
     assert fit.curvature.low < 66.0 and fit.curvature.high > 79.9
+
+
+def test_dirt_in_one_groove_does_not_tell_that_the_others_hold_resin():
+    """With a fill of its own for the dirty groove it was 70.6 [70.2, 70.9] for 72.9."""
+    trace = traced(72.9, StylusTip(7e-3), noise=1e-4)
+    trace.height[:] += 3e-4 * np.exp(-(((trace.position - 0.118) / 4e-3) ** 2))
+    fit = fit_stylus_trace(trace, BEF)
+    assert fit.curvature.low <= 72.9 <= fit.curvature.high
+    assert fit.fill_fraction.low < 1e-3
 
 
 def test_little_resin_that_the_tip_reaches_is_not_none():

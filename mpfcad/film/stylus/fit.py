@@ -208,7 +208,8 @@ def _fit_upright(
     ])  # fmt: skip
     scale_said, heights_off = _scale_notes(trace, best, known[0][1], scaled[0], groove, correct)
     notes += said + scale_said
-    notes += [HIDDEN_WORDS] if any(hidden) else []
+    late = known[0][1].response.words
+    notes += [*([HIDDEN_WORDS] if any(hidden) else []), *([late] if late else [])]
     model, value = best.model, best.value
     tilt, parabola_rms = _levels(best)
     scale = groove.pitch / float(value[PITCH])

@@ -145,6 +145,12 @@ class TraceModel:
         local, number = self.place(value)
         return made.over(local, self.menisci(value), number, touch)
 
+    def traced_at(
+        self, value: NDArray[np.float64], local: NDArray[np.float64], number: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Return the traced height at x (m,) [mm] from the centres of grooves `number`, (m,)."""
+        return self._dilated(value, self.tip).over(local, self.menisci(value), number)
+
     def _dilated(self, value: NDArray[np.float64], tip: StylusTip | None) -> DilatedGroove:
         return DilatedGroove(self.groove_of(value), self.profile, tip, float(value[ROUNDING]))
 

@@ -10,10 +10,11 @@ from mpfcad.film.stylus.model import MOST_OFF, ROUNDING
 from mpfcad.film.stylus.solve import RISE, Fitted
 from mpfcad.film.stylus.tip import USUAL_ANGLE, USUAL_ANGLES, USUAL_RADII, StylusTip
 from mpfcad.film.stylus.trace import StylusTrace
-from mpfcad.units import deg, um
+from mpfcad.units import deg, nm, um
 
-#: A tip whose fit leaves this much more variance than the best one did not trace the film.
-WORSE = 1.25
+#: A tip whose fit leaves this much more variance than the best one did not trace the film. No
+#: meniscus is known to be of the model's shape to less than this misfit [mm].
+WORSE, ALIKE = 1.25, 15 * nm
 #: The radius that a stated tip is compared with, as a share of its own.
 SHARPER = 0.75
 
@@ -65,7 +66,7 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
     for radius in USUAL_RADII:
         fits.append(fitted(StylusTip(radius)))
         # Once a tip is too large, every larger one is.
-        if fits[-1].misfit > 2 * min(fit.misfit for fit in fits):
+        if fits[-1].misfit > 2 * max(min(fit.misfit for fit in fits), ALIKE):
             break
     usual, above = _that_fit(fits)
     usual = _median_first(usual)
@@ -76,10 +77,15 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
 
 def _that_fit(fits: list[Fitted]) -> tuple[list[Fitted], Fitted | None]:
     """Return the fits that leave nearly as little as the best, and the first that is too large."""
-    least = min(fit.misfit for fit in fits)
-    kept = [fit for fit in fits if fit.misfit**2 <= WORSE * least**2]
+    best = min(fits, key=lambda fit: fit.misfit)
+    kept = [fit for fit in fits if fit.misfit**2 <= _worst(best)]
     largest = max(_radius(fit) for fit in kept)
     return kept, next((fit for fit in fits if _radius(fit) > largest), None)
+
+
+def _worst(best: Fitted) -> float:
+    """Return the square of the misfit [mm] up to which another tip fits as well as the best."""
+    return float(WORSE * max(best.misfit, ALIKE) ** 2)
 
 
 def _between(usual: list[Fitted], above: Fitted, fitted: Fit) -> list[Fitted]:
@@ -89,11 +95,11 @@ def _between(usual: list[Fitted], above: Fitted, fitted: Fit) -> list[Fitted]:
     is too small, but the resin then reads too steep.
     """
     low, high, found = max(map(_radius, usual)), _radius(above), list[Fitted]()
-    least = min(fit.misfit for fit in usual)
+    best = min(usual, key=lambda fit: fit.misfit)
     for _ in range(_HALVINGS):
         found.append(fitted(StylusTip((low + high) / 2)))
-        least = min(least, found[-1].misfit)
-        if found[-1].misfit ** 2 <= WORSE * least**2:
+        best = min(best, found[-1], key=lambda fit: fit.misfit)
+        if found[-1].misfit ** 2 <= _worst(best):
             low = (low + high) / 2
         else:
             high = (low + high) / 2
@@ -107,15 +113,14 @@ def _of_stated(tip: StylusTip, sharp: Fitted, fitted: Fit) -> TipFits | None:
     stated, *other = tip.told(sharp.model.groove.wall_slope * (1 + MOST_OFF))
     told = fitted(stated)
     for usual in map(fitted, other):
-        seen = usual.misfit**2
-        if WORSE * seen < told.misfit**2 and seen <= WORSE * sharp.misfit**2:
+        if _worst(usual) < told.misfit**2 and usual.misfit**2 <= _worst(sharp):
             words = (
                 f"the walls are steeper than the tip's cone of {tip.angle / deg:g}° can draw: "
                 "the heights' scale is off, or its angle is another"
             )
             return TipFits([usual], [words], (USUAL_ANGLE,))
     # A radius is known to a quarter: the trace must be sharper than that, too.
-    if told.misfit**2 > WORSE * sharp.misfit**2:
+    if told.misfit**2 > _worst(sharp):
         sharper = fitted(replace(tip, radius=SHARPER * tip.radius))
         if sharper.misfit <= 0.98 * told.misfit:
             return None

@@ -14,6 +14,8 @@ from mpfcad.film.stylus.solve import Fitted, solve
 
 #: Less resin than this mean u is looked for; a covered groove is not empty.
 _LITTLE = 1.2
+#: Share of the grooves that may hold dirt: those whose sums rise most tell nothing.
+_DIRTY = 1 / 6
 #: Share of a sum that the last step of a fit gains.
 _CLOSE = 1e-5
 
@@ -32,5 +34,7 @@ def may_be_empty(fit: Fitted, noise: float) -> bool:
     tried = value.copy()
     tried[FILL:] = model.top
     found = solve(empty, tried, noise, close=_CLOSE)
-    rise = np.sum(empty.residual(found) ** 2) - np.sum(model.residual(value) ** 2)
-    return bool(rise / noise**2 < chi2.ppf(0.95, model.grooves + 2))
+    change = empty.residual(found) ** 2 - model.residual(value) ** 2
+    each = np.sort(np.bincount(model.number(value), change, model.grooves))
+    kept = len(each) - int(np.ceil(_DIRTY * len(each))) if len(each) > 1 else 1
+    return bool(np.sum(each[:kept]) / noise**2 < chi2.ppf(0.95, kept + 2))

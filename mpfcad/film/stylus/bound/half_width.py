@@ -38,20 +38,20 @@ def half_widths(
     freedom: float,
     known: tuple[int, ...] = (),
 ) -> NDArray[np.float64]:
-    """Return half-widths, in the order of `_wanted`, (7,), by `design_of`'s columns.
+    """Return half-widths, in the order of `derivatives_of`, (7,), by `design_of`'s columns.
 
     known: values that are.
     """
     from scipy.special import stdtrit
 
-    free, design, prior = _free(fit, columns, known)
+    free, design, prior = free_columns(fit, columns, known)
     normal = design.T @ design
     prior_normal = noise**2 * prior.T @ prior
     size = np.sqrt(np.diag(normal + prior_normal))
     inverse = np.linalg.pinv(
         (normal + prior_normal) / np.outer(size, size), rcond=1e-12, hermitian=True
     )
-    wanted = _wanted(fit, free, design.shape[1]) / size @ inverse / size
+    wanted = derivatives_of(fit, free, design.shape[1]) / size @ inverse / size
     # As sums of squares: a difference of rounded products may fall below 0.
     by_noise = noise**2 * np.sum((wanted @ design.T) ** 2, axis=1)
     by_prior = noise**4 * np.sum((wanted @ prior[:PRIORS].T) ** 2, axis=1)
@@ -95,7 +95,7 @@ def design_of(fit: Fitted, noise: float) -> NDArray[np.float64]:
     return columns
 
 
-def _free(
+def free_columns(
     fit: Fitted, columns: NDArray[np.float64], known: tuple[int, ...]
 ) -> tuple[list[int], NDArray[np.float64], NDArray[np.float64]]:
     """Return the free values, their columns and the base's (n, k), and the priors' rows (…, k)."""
@@ -113,7 +113,7 @@ def _free(
     return free, design, prior
 
 
-def _wanted(fit: Fitted, free: list[int], width: int) -> NDArray[np.float64]:
+def derivatives_of(fit: Fitted, free: list[int], width: int) -> NDArray[np.float64]:
     """Return the derivatives of what is wanted by the columns, (7, width).
 
     That is mean u, ln C, ln pitch, ln slope, wetting, roundness, flatness.

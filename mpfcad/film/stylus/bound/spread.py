@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from mpfcad.film.stylus.bound.below import Below, below_tips
 from mpfcad.film.stylus.bound.empty import may_be_empty
 from mpfcad.film.stylus.bound.half_width import design_of, half_widths
+from mpfcad.film.stylus.bound.response import Response, response_of
 from mpfcad.film.stylus.bound.slope import Held, held_fits
 from mpfcad.film.stylus.correlation import correlation_sum
 from mpfcad.film.stylus.model import CENTRE, FILL, PITCH, ROUNDING, SLOPE, WETTING
@@ -19,6 +20,8 @@ SHARE = 0.8
 _IN_SIGHT, _COVERED = 0.01, 1.15
 #: What is unseen counts from so many linear half-widths on.
 _FARTHER = 1.5
+#: So many times what a response is told to move C, it may: its shape between its lags is not known.
+_RESPONSE = 2.0
 #: What is let to make up for a shift of all u, beside the base.
 _MADE_UP = (CENTRE, PITCH, ROUNDING)
 #: Common shifts of all u that are tried, a side.
@@ -48,6 +51,8 @@ class Spread:
         half-width of ln(pitch)
     shape
         half-widths of wetting, roundness and flatness
+    response
+        the instrument's, as far as the residual tells it; the intervals hold it
     """
 
     fill: Bounds
@@ -56,6 +61,7 @@ class Spread:
     likely_slope: float
     log_pitch: float
     shape: tuple[float, float, float]
+    response: Response
 
 
 def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
@@ -66,7 +72,8 @@ def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
     autocorrelation, propagated, holds what all grooves share. Of the two `SHARE` is taken. What the
     priors of pitch and slope leave open is added. Where the walls are hardly in sight, fits at all
     slopes that the trace allows take the place of derivatives (`held_fits`). A tip that does not
-    reach the resin leaves it unseen.
+    reach the resin leaves it unseen. A response of the instrument that the residual tells
+    (`response_of`) goes on top, to its side.
     """
     residual = fit.model.residual(fit.value)
     correlation = correlation_sum(residual)
@@ -92,20 +99,28 @@ def spread_of(fit: Fitted, *, scaled: bool = False) -> Spread:
         stated = fit.model.groove.wall_slope
         slopes = (stated * float(np.exp(fits[0].off)), stated * float(np.exp(fits[-1].off)))
         slope = stated * float(np.exp(min(fits, key=lambda held: held.cost).off))
+    response = response_of(fit, design, noise, at_tips)
+    late = _RESPONSE * np.array([response.u, measured * response.log_curvature])
+    less, more = np.maximum(late, 0.0), np.maximum(-late, 0.0)
     far = [f if f > _FARTHER * float(half[0]) else 0.0 for f in _unseen(fit, design, noise)]
     if may_be_empty(fit, noise):
         far[1] = fit.model.top - mean
     return Spread(
-        Bounds(fill.value, min(fill.low, mean - far[0]), max(fill.high, mean + far[1])),
+        Bounds(
+            fill.value,
+            min(fill.low - float(less[0]), mean - far[0]),
+            max(fill.high + float(more[0]), mean + far[1]),
+        ),
         Bounds(
             curvature.value,
-            min(curvature.low, measured * (1 - far[0] / mean)),
-            max(curvature.high, measured * (1 + far[1] / mean)),
+            min(curvature.low - float(less[1]), measured * (1 - far[0] / mean)),
+            max(curvature.high + float(more[1]), measured * (1 + far[1] / mean)),
         ),
         slopes,
         slope,
         float(half[2]),
         (max(float(half[4]), -below.wetting), float(half[5]), float(half[6])),
+        response,
     )
 
 
