@@ -81,7 +81,9 @@ def printed(factory: Factory, variants, plan, process, folder: Path):
     from mpfcad.cad import write_stl
     from mpfcad.measure import light_film
 
-    change = {f.name: z * f.sigma for f, z in zip(factory.factors, factory.steps, strict=True)}
+    change = {
+        f.name: float(z * f.sigma) for f, z in zip(factory.factors, factory.steps, strict=True)
+    }
     piece, groove = plan.piece, plan.piece.groove
     ratio = plan.process.aperture_ratio_of_curvature(piece.curvature)
     thinner = plan.job.process.solids_fraction / variants.plan.job.process.solids_fraction

@@ -6,7 +6,7 @@ the probability that the contrast meets its limit, `rank_measurements` what to m
 """
 
 from mpfcad.confidence.advice import rank_measurements
-from mpfcad.confidence.factor import Factor, correlation, read_covariance
+from mpfcad.confidence.factor import Factor, correlation, covariance_fault, read_covariance
 from mpfcad.confidence.factorial import STEP, factorial_steps
 from mpfcad.confidence.probability import (
     Likely,
@@ -22,6 +22,7 @@ __all__ = [
     "Likely",
     "Response",
     "correlation",
+    "covariance_fault",
     "draw_steps",
     "factorial_steps",
     "fit_slopes",

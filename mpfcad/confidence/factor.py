@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mpfcad.boundary import reason_of
 from mpfcad.errors import InputError
+from mpfcad.sound import refuse_unsound
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ class Factor:
     high: float = np.inf
     source: str = "stated"
     is_curved: bool = False
+
+    def __post_init__(self) -> None:
+        refuse_unsound(f"{self.name}: sigma", self.sigma, 0.0, self.high - self.low, above=True)
 
     def within(self, steps: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return steps in units of sigma, cut off where the input can't be so small or large."""
@@ -75,20 +79,33 @@ def read_covariance(path: Path) -> tuple[list[str], NDArray[np.float64]]:
             f"{path}: {reason_of(error)}: expected names in row 1, and a matrix"
         ) from error
     names = [name.strip() for name in rows[0]] if rows else []
+    if not names or any(len(row) != len(names) for row in rows) or len(rows) != len(names) + 1:
+        raise InputError(
+            f"{path}: {max(len(rows) - 1, 0)} rows of numbers: expected "
+            f"{len(names) or 'some'} rows of {len(names) or 'as many'}, one for each name of the "
+            "first row"
+        )
     try:
         matrix = np.array([[float(cell) for cell in row] for row in rows[1:]])
     except ValueError as error:
         raise InputError(f"{path}: {error}: expected a row of names, then numbers") from None
-    if not names or matrix.shape != (len(names), len(names)) or not np.isfinite(matrix).all():
-        raise InputError(
-            f"{path}: {len(rows) - 1} rows of numbers: expected {len(names)} rows of {len(names)}, "
-            "one for each name of the first row"
-        )
+    fault = covariance_fault(names, matrix)
+    if fault:
+        raise InputError(f"{path}: {fault}")
+    return names, matrix
+
+
+def covariance_fault(names: list[str], matrix: NDArray[np.float64]) -> str | None:
+    """Return what is wrong with the covariance (n, n) of n named inputs; None: nothing."""
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        return f"{twice[0]}: named twice: expected each input once"
+    if not np.isfinite(matrix).all():
+        i, j = (int(at[0]) for at in np.nonzero(~np.isfinite(matrix)))
+        return f"{names[i]}, {names[j]}: {matrix[i, j]}: expected a finite number"
     if not np.allclose(matrix, matrix.T, rtol=1e-6, atol=0):
-        raise InputError(f"{path}: covariance is not symmetric: expected [i, j] equal to [j, i]")
+        return "covariance is not symmetric: expected [i, j] equal to [j, i]"
     least = float(np.linalg.eigvalsh(matrix)[0])
     if (np.diag(matrix) <= 0).any() or least < -1e-9 * np.trace(matrix):
-        raise InputError(
-            f"{path}: covariance has the eigenvalue {least:.3g}: expected a positive one"
-        )
-    return names, matrix
+        return f"covariance has the eigenvalue {least:.3g}: expected a positive one"
+    return None

@@ -236,7 +236,23 @@ class ConfidenceTable(Table):
             raise ValueError("expected both names and matrix, or neither")
         if self.covariance is not None and self.names is not None:
             raise ValueError("expected either covariance or names and matrix")
+        if self.names is not None and self.matrix is not None:
+            self._check_matrix(self.names, self.matrix)
         return self
+
+    @staticmethod
+    def _check_matrix(names: list[str], matrix: list[list[float]]) -> None:
+        import numpy as np
+
+        from mpfcad.confidence import covariance_fault
+
+        if not names or [len(row) for row in matrix] != [len(names)] * len(names):
+            raise ValueError(
+                f"matrix: expected {len(names) or 'some'} rows of as many numbers, one each name"
+            )
+        fault = covariance_fault(names, np.array(matrix, np.float64))
+        if fault:
+            raise ValueError(f"matrix: {fault}")
 
     @property
     def resin_or_assumed(self) -> float:

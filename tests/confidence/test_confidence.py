@@ -21,6 +21,7 @@ from mpfcad.confidence import (
 )
 from mpfcad.errors import InputError
 from mpfcad.gate import Gate
+from mpfcad.job import ConfidenceTable
 
 U = np.arange(128) / 128
 COSINE = np.cos(2 * np.pi * U)[:, None]
@@ -181,8 +182,11 @@ def test_what_narrows_most_comes_first():
         ("a,b\n1,0.5\n0.4,1\n", "not symmetric"),
         ("a,b\n1,0\n", "1 rows of numbers: expected 2 rows of 2"),
         ("a\nx\n", "expected a row of names, then numbers"),
-        ("a\nnan\n", "expected 1 rows of 1"),
-        ("", "expected"),
+        ("a\nnan\n", "a, a: nan: expected a finite number"),
+        ("a,b\n1,0\n0,inf\n", "b, b: inf: expected a finite number"),
+        ("a,a\n1,0\n0,1\n", "a: named twice: expected each input once"),
+        ("a,b\n1,0\n0\n", "2 rows of numbers: expected 2 rows of 2"),
+        ("", "0 rows of numbers: expected some rows"),
     ],
 )
 def test_a_covariance_is_refused_in_one_line(tmp_path, text, says):
@@ -191,6 +195,28 @@ def test_a_covariance_is_refused_in_one_line(tmp_path, text, says):
     with pytest.raises(InputError, match=says) as error:
         read_covariance(path)
     assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("names", "matrix", "says"),
+    [
+        (["a", "b"], [[1.0, 2.0]], "expected 2 rows of as many numbers"),
+        (["a", "b"], [[1.0, 0.0], [0.0]], "expected 2 rows of as many numbers"),
+        ([], [], "expected some rows"),
+        (["a", "a"], [[1.0, 0.0], [0.0, 1.0]], "a: named twice"),
+        (["a"], [[float("nan")]], "a, a: nan: expected a finite number"),
+        (["a"], [[-1.0]], "eigenvalue -1"),
+        (["a", "b"], [[1.0, 0.5], [0.4, 1.0]], "not symmetric"),
+    ],
+)
+def test_a_jobs_own_covariance_is_held_to_the_same(names, matrix, says):
+    with pytest.raises(ValueError, match=says):
+        ConfidenceTable(names=names, matrix=matrix)
+
+
+def test_an_input_is_not_wider_than_what_it_can_be():
+    with pytest.raises(InputError, match=r"share: sigma: 1e\+300: expected .* up to 1"):
+        Factor("share", 0.5, 1e300, 0.0, 1.0)
 
 
 def test_a_covariance_is_read(tmp_path):
