@@ -199,6 +199,54 @@ def test_a_design_from_file_to_record(tmp_path):
     assert "film across: shift x 0.16 mm" in (tmp_path / "out" / "design.html").read_text()
 
 
+class Stopped:
+    """Progress that notes where each trace began, and stops the work in a trace of a number."""
+
+    def __init__(self, number):
+        self.number, self.starts = number, []
+
+    def stage(self, text):
+        """Begin a trace, or other work."""
+        if text.startswith("tracing"):
+            self.starts.append([])
+
+    def note(self, text):
+        """Forget it."""
+
+    def trace(self, state):
+        self.starts[-1].append(state.start)
+        if len(self.starts) == self.number:
+            raise KeyboardInterrupt
+
+
+def test_an_interrupted_design_goes_on(tmp_path, monkeypatch):
+    from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
+    from mpfcad.pipeline.led.design import run_led_design
+
+    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1e-9, 300_000))
+    text = "[constraint]\npiece_mm = 1.0\nlevels = 8\n"
+    text += "[search]\npaths_million = 0.1\niterations = 1\nuniform_per_mm = [60.0]\n"
+    text += "[tolerance]\nshift_mm = 0.0\nresin_percent = 0.0\nflux_percent = 0.0\n"
+    one, file = design(tmp_path, text, films=1), tmp_path / "design.toml"
+
+    def made(name, number, threads):
+        monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / f"cache-{name}"))
+        seen, out = Stopped(number), tmp_path / name
+        run_led_design(one, file, out, effort="quick", threads=threads, progress=seen)
+        files = {path.name: path.read_bytes() for path in out.iterdir()}
+        return seen, files
+
+    with pytest.raises(KeyboardInterrupt):
+        made("stopped", 3, 1)
+    kept = list((tmp_path / "cache-stopped" / "trace").iterdir())
+    assert len(kept) == 2 and not (tmp_path / "stopped").exists()
+    seen, files = made("stopped", None, 2)
+    # Both trials are there; what was shipped is traced.
+    assert [min(starts) > 0 for starts in seen.starts] == [True, True, False]
+    assert files == made("whole", None, 1)[1]
+    assert not list((tmp_path / "cache-stopped" / "trace").iterdir())
+
+
 def test_the_job_of_a_design_makes_its_films_bit_for_bit(tmp_path):
     from mpfcad.job import read_job
     from mpfcad.pipeline.led.design import job_tables, write_job

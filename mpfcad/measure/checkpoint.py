@@ -7,17 +7,31 @@ was never interrupted.
 """
 
 import io
-from typing import TYPE_CHECKING
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from mpfcad.store import Store
 
-if TYPE_CHECKING:
-    from mpfcad.optics.base.recorder import Tally
-
 _KIND = "trace"
 Rows = list[tuple[float, ...]]
+
+
+class Sums(Protocol):
+    """A tally: a named tuple of arrays and whole numbers."""
+
+    @property
+    def total_paths(self) -> int:
+        """Paths that were traced."""
+
+    @property
+    def blocks(self) -> int:
+        """Blocks of equal size that they make."""
+
+    def _asdict(self) -> dict[str, Any]: ...
+
+
+AnyTally = TypeVar("AnyTally", bound=Sums)
 
 
 class Checkpoints:
@@ -39,17 +53,18 @@ class Checkpoints:
             for case in self._used:
                 self._store.drop(_KIND, case)
 
-    def read(self, case: str) -> "tuple[Tally, Rows] | None":
+    def read(self, case: str, tally: type[AnyTally]) -> tuple[AnyTally, Rows] | None:
         """Return tally and earlier rounds of a case by its key; None where none verifies.
 
-        Of each round its paths, and a figure with its interval (`rounds.Trail`).
+        `tally` is the kind of tally. Of each round its paths, and a figure with its interval
+        (`rounds.Trail`).
         """
-        found = self._store.read(_KIND, case, _decoded)
+        found = self._store.read(_KIND, case, lambda content: _decoded(content, tally))
         if found is not None:
             self._used.add(case)
         return found
 
-    def write(self, case: str, tally: "Tally", rounds: Rows) -> None:
+    def write(self, case: str, tally: Sums, rounds: Rows) -> None:
         """Keep the tally of a case's blocks so far, and what its earlier rounds gave."""
         self._used.add(case)
         content = io.BytesIO()
@@ -57,11 +72,9 @@ class Checkpoints:
         self._store.write(_KIND, case, content.getvalue())
 
 
-def _decoded(content: bytes) -> "tuple[Tally, Rows]":
-    from mpfcad.optics.base.recorder import Tally
-
+def _decoded(content: bytes, tally: type[AnyTally]) -> tuple[AnyTally, Rows]:
     with np.load(io.BytesIO(content), allow_pickle=False) as stored:
         values = dict(stored)
-    paths, blocks = int(values.pop("paths")), int(values.pop("blocks"))
     rounds = [tuple(row) for row in values.pop("rounds").tolist()]
-    return Tally(**values, paths=paths, blocks=blocks), rounds
+    counts = {name: value.item() for name, value in values.items() if value.ndim == 0}
+    return tally(**{**values, **counts}), rounds

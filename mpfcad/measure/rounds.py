@@ -10,7 +10,7 @@ import numpy as np
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
-from mpfcad.measure.checkpoint import Checkpoints
+from mpfcad.measure.checkpoint import AnyTally, Checkpoints, Sums
 from mpfcad.measure.contrast.blur import is_blurred
 from mpfcad.measure.meter import Spot, meter_spot
 from mpfcad.store import array_hash, value_hash, work_key
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 #: A first round has at least so many paths.
 LEAST_PATHS = 270_000
-#: Largest share of the paths that may end nowhere.
+#: Largest share of the light that may end nowhere.
 LOST_LIMIT = 1e-6
 
 
@@ -43,10 +43,10 @@ class Trail:
         (paths, value, low, high) after each round
     """
 
-    figure: "Callable[[Tally], tuple[float, float, float]]"
+    figure: Callable[[Any], tuple[float, float, float]]
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
-    def note(self, tally: "Tally") -> None:
+    def note(self, tally: Sums) -> None:
         """Add the figure of a round that is not noted yet."""
         if not self.rows or self.rows[-1][0] < tally.total_paths:
             self.rows.append((float(tally.total_paths), *self.figure(tally)))
@@ -211,46 +211,100 @@ def trace_rounds(
     Raises
     ------
     TraceError
-        when more than 1e-6 of the paths are lost, and no gate judges them.
+        when more than 1e-6 of the light is lost, and no gate judges it.
     """
-    from mpfcad.optics.base.recorder import FLOWS, Tally
+    from mpfcad.optics.base.recorder import Tally
     from mpfcad.optics.engine import BLOCK, flow_count
 
     points = len(source.position)
-    limit = run.path_limit
-    case = work_key(
-        "trace", {**lit.case, "source": source, "seed": run.seed, "goal": goal, "limit": limit}
-    )
-    empty = Tally.empty(points, flow_count(lit.scene, points))
+    block = points * BLOCK
+
+    def more(done: int) -> int:
+        grown = max(-(-LEAST_PATHS // block), done // 4, 2)
+        return grown if done else max(grown, least_blocks)
+
+    def add(tally: "Tally", blocks: range, after: "Callable[[], None] | None") -> "Tally":
+        return tally + trace_lit(
+            lit, source, len(blocks), seed=run.seed, first=blocks.start, threads=run.threads,
+            after_block=after,
+        )  # fmt: skip
+
+    begun = begun or Tally.empty(points, flow_count(lit.scene, points))
+    return in_rounds(
+        lit, run, {"source": source}, begun, add, error_of, goal, figure, block=block, more=more,
+        trail=trail,
+    )  # fmt: skip
+
+
+def in_rounds(
+    lit: Lit,
+    run: TraceRun,
+    meter: dict[str, Any],
+    begun: AnyTally,
+    add: Callable[[AnyTally, range, Callable[[], None] | None], AnyTally],
+    error_of: Callable[[AnyTally], float],
+    goal: float,
+    figure: str,
+    *,
+    block: int,
+    more: Callable[[int], int],
+    trail: Trail | None = None,
+) -> AnyTally:
+    """Return the tally of enough rounds that `error_of` it is at most `goal`, or the path limit.
+
+    A round is kept when it is done, under the key of all that the tally depends on; a trace that
+    was interrupted goes on from its last one.
+
+    Parameters
+    ----------
+    meter
+        what of the trace is not of the scene or the run, in plain values
+    begun
+        the tally to begin with: of no paths, or of the first round
+    add
+        traces numbered blocks into a tally; calls its last argument, if any, after each
+    block
+        paths of one
+    more
+        how many blocks a round has after so many
+
+    Raises
+    ------
+    TraceError
+        when more than 1e-6 of the light is lost, and no gate judges it.
+    """
+    inputs = {**lit.case, **meter, "seed": run.seed, "goal": goal, "limit": run.path_limit}
+    case = work_key("trace", inputs)
+    error = float("nan")
     trail = trail or Trail(lambda tally: (error, error, error))
-    left = run.checkpoints.read(case)
-    tally, trail.rows[:] = left or (begun or empty, [])
-    error, start = float("nan"), tally.total_paths if left else 0
+    left = run.checkpoints.read(case, type(begun))
+    tally, trail.rows[:] = left or (begun, [])
+    start = tally.total_paths if left else 0
     while True:
         if tally.blocks:
             error = error_of(tally)
             trail.note(tally)
-            if error <= goal or tally.total_paths >= limit:
+            if error <= goal or tally.total_paths >= run.path_limit:
                 break
-        more = max(-(-LEAST_PATHS // (points * BLOCK)), tally.blocks // 4, 2)
-        if not tally.blocks:
-            more = max(more, least_blocks)
-        state = TraceState(tally.total_paths, limit, error, goal, figure, start)
-        watch = Watch(run.progress, state, points * BLOCK)
-        tally = tally + trace_lit(
-            lit, source, more, seed=run.seed, first=tally.blocks, threads=run.threads,
-            after_block=watch.block if run.progress else None,
-        )  # fmt: skip
+        state = TraceState(tally.total_paths, run.path_limit, error, goal, figure, start)
+        after = Watch(run.progress, state, block).block if run.progress else None
+        tally = add(tally, range(tally.blocks, tally.blocks + more(tally.blocks)), after)
         run.checkpoints.write(case, tally, trail.rows)
     if run.progress:
         paths = tally.total_paths
         run.progress(TraceState(paths, paths, error, goal, figure, start))
-    lost = tally.fraction[FLOWS.index("lost")]
+    _refuse_lost(lit, run, tally)
+    return tally
+
+
+def _refuse_lost(lit: Lit, run: TraceRun, tally: Any) -> None:
+    from mpfcad.optics.base.recorder import FLOWS
+
+    lost = tally.flow[FLOWS.index("lost")] / tally.total_paths
     if lost > LOST_LIMIT and not run.judged:
         raise TraceError(
-            f"{lit.name}: {lost:.2e} of the paths were lost: expected at most {LOST_LIMIT:g}"
+            f"{lit.name}: {lost:.2e} of the light was lost: expected at most {LOST_LIMIT:g}"
         )
-    return tally
 
 
 def trace_lit(lit: Lit, source: "Source", blocks: int, **how: Any) -> "Tally":

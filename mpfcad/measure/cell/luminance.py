@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.errors import InputError, TraceError
+from mpfcad.errors import InputError
 from mpfcad.measure.cell.series import CellSeries, fit_series
 from mpfcad.measure.estimate import Estimate
-from mpfcad.measure.rounds import Lit, TraceRun, TraceState, Watch
+from mpfcad.measure.rounds import Lit, TraceRun, in_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.forward.connection import CellMeter
@@ -21,7 +21,6 @@ BINS = 24
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
 _LEAST_BLOCKS = 64
-_LOST_LIMIT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,30 +143,21 @@ def cell_rounds(
     TraceError
         when more than 1e-6 of the light is lost, and no gate judges it.
     """
-    from mpfcad.optics.forward.engine import BLOCK, trace_forward
+    from mpfcad.optics.engine import flow_count
+    from mpfcad.optics.forward.engine import BLOCK, CellTally, trace_forward
 
-    tally: CellTally | None = None
-    error = float("nan")
-    while True:
-        if tally is not None:
-            error = error_of(tally)
-            if error <= goal or tally.paths >= run.path_limit:
-                break
-        done = tally.blocks if tally is not None else 0
-        more = max(_LEAST_BLOCKS, done // 4)
-        state = TraceState(done * BLOCK, run.path_limit, error, goal, figure)
-        watch = Watch(run.progress, state, BLOCK)
+    def add(tally: "CellTally", blocks: range, after: Callable[[], None] | None) -> "CellTally":
         part = trace_forward(
-            lit.scene, meter, more, seed=run.seed, first=done, threads=run.threads,
-            after_block=watch.block if run.progress else None, spectral=lit.spectral,
+            lit.scene, meter, len(blocks), seed=run.seed, first=blocks.start, threads=run.threads,
+            after_block=after, spectral=lit.spectral,
         )  # fmt: skip
-        tally = part if tally is None else tally.plus(part)
-    if run.progress:
-        run.progress(TraceState(tally.paths, tally.paths, error, goal, figure))
-    lost = _share(tally, "lost")
-    if lost > _LOST_LIMIT and not run.judged:
-        raise TraceError(f"{lit.name}: {lost:.2e} of the light was lost; expected {_LOST_LIMIT:g}")
-    return tally
+        return tally.plus(part)
+
+    return in_rounds(
+        lit, run, {"meter": meter, "figure": figure},
+        CellTally.empty(meter, flow_count(lit.scene, 0)), add, error_of, goal, figure,
+        block=BLOCK, more=lambda done: max(_LEAST_BLOCKS, done // 4),
+    )  # fmt: skip
 
 
 def cell_scale(lit: Lit, meter: "CellMeter") -> float:
@@ -238,12 +228,6 @@ def _is_mirrored(lit: Lit) -> bool:
     if not all(element.is_mirrored(period) for element in lit.elements):
         return False
     return bool(getattr(lit.stack.source, "is_mirrored", False))
-
-
-def _share(tally: "CellTally", name: str) -> float:
-    from mpfcad.optics.base.recorder import FLOWS
-
-    return float(tally.flow[FLOWS.index(name)] / tally.paths)
 
 
 def _balance(lit: Lit, meter: "CellMeter", run: TraceRun, tally: "CellTally") -> "CellTally":

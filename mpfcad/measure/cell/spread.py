@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.errors import InputError, TraceError
+from mpfcad.errors import InputError
 from mpfcad.measure.cell.luminance import refuse_sheetless
 from mpfcad.measure.estimate import Estimate
-from mpfcad.measure.rounds import LOST_LIMIT, Lit, TraceRun, TraceState, Watch
+from mpfcad.measure.rounds import Lit, TraceRun, in_rounds
 
 if TYPE_CHECKING:
     from mpfcad.optics.forward.connection import CellMeter
@@ -161,22 +161,18 @@ def led_spread(lit: Lit, run: TraceRun, error_goal: float) -> SpreadResult:
             f"own: expected at most {MOST_LEDS}: fewer in the cell, or less repeat"
         )
     meter = _meter(lit, run)
-    tally, error, done = SpreadTally.empty(lit.scene, meter), math.nan, 0
-    while done == 0 or (error > error_goal and tally.paths < run.path_limit):
-        more = -(-max(_LEAST_BLOCKS, done // 4) // BATCHES) * BATCHES
-        state = TraceState(tally.paths, run.path_limit, error, error_goal, _FIGURE)
-        watch = Watch(run.progress, state, BLOCK)
-        tally = trace_spread(
-            lit.scene, meter, tally, range(done, done + more), seed=run.seed, threads=run.threads,
-            after_block=watch.block if run.progress else None,
-        )  # fmt: skip
-        done += more
-        found = _result(lit, meter, tally)
-        error = _error(found)
-    if run.progress:
-        run.progress(TraceState(tally.paths, tally.paths, error, error_goal, _FIGURE))
-    _refuse_lost(lit, tally)
-    return found
+
+    def add(tally: "SpreadTally", blocks: range, after: Callable[[], None] | None) -> "SpreadTally":
+        return trace_spread(
+            lit.scene, meter, tally, blocks, seed=run.seed, threads=run.threads, after_block=after
+        )
+
+    tally = in_rounds(
+        lit, run, {"meter": meter, "figure": _FIGURE}, SpreadTally.empty(lit.scene, meter), add,
+        lambda tally: _error(_result(lit, meter, tally)), error_goal, _FIGURE, block=BLOCK,
+        more=lambda done: -(-max(_LEAST_BLOCKS, done // 4) // BATCHES) * BATCHES,
+    )  # fmt: skip
+    return _result(lit, meter, tally)
 
 
 def _meter(lit: Lit, run: TraceRun) -> "CellMeter":
@@ -216,11 +212,3 @@ def _error(found: SpreadResult) -> float:
     own = found.batch[:, :, found.reach, :, found.reach]
     variance = own.var(axis=0, ddof=1) / len(own)
     return float(np.sqrt(variance.mean()) / own.mean())
-
-
-def _refuse_lost(lit: Lit, tally: "SpreadTally") -> None:
-    from mpfcad.optics.base.recorder import FLOWS
-
-    lost = tally.flow[FLOWS.index("lost")] / tally.paths
-    if lost > LOST_LIMIT:
-        raise TraceError(f"{lit.name}: {lost:.2e} of the light was lost; expected {LOST_LIMIT:g}")

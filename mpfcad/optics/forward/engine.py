@@ -64,6 +64,11 @@ class CellTally(NamedTuple):
     paths: int
     blocks: int
 
+    @property
+    def total_paths(self) -> int:
+        """Number of paths."""
+        return self.paths
+
     @classmethod
     def empty(cls, meter: CellMeter, flows: int) -> "CellTally":
         """Return the tally of no paths."""

@@ -34,6 +34,16 @@ class SpreadTally(NamedTuple):
     flow: NDArray[np.float64]
     paths: int
 
+    @property
+    def total_paths(self) -> int:
+        """Number of paths."""
+        return self.paths
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return self.paths // BLOCK
+
     @classmethod
     def empty(cls, scene: Scene, meter: CellMeter) -> "SpreadTally":
         """Return the tally of no paths."""

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_m
 from mpfcad.film import CurvatureSeries, PieceLibrary
 from mpfcad.job import build_job
 from mpfcad.job.led_design import LedConstraintTable, LedDesign
-from mpfcad.measure import CellResult, TraceRun, light_film, luminance_over_cell
+from mpfcad.measure import CellResult, Checkpoints, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
 from mpfcad.pipeline.led.bound import least_contrast
 from mpfcad.pipeline.led.film import (
@@ -32,6 +33,7 @@ from mpfcad.pipeline.led.tried import Tried
 from mpfcad.pipeline.plan.plan import read_job_stack
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
+from mpfcad.store import Store
 
 #: Least C [1/mm] that a mould is taken to have.
 _MOULD_LEAST = 20.0
@@ -50,80 +52,105 @@ def run_led_design(
     """Find the map, write films, stack, map and record into `out`, and return the record.
 
     What the record states last is traced from the written files, to the half-width of `effort`.
+    The tally of each trace is kept until `out` is on the disk, so an interrupted design goes on.
 
     Raises
     ------
     InputError
         when the design is wrong or `out` is something else; `out` is then as it was.
     """
-    from mpfcad.record import describe_cell
-    from mpfcad.report.page.led_page import write_led_page
-
     design_file, out = Path(design_file), Path(out)
     refuse_foreign(out.resolve(), "led-design")
-    stack = read_led_stack(design, design_file)
-    count = threads or available_threads()
+    read_led_stack(design, design_file)
+    with Checkpoints(Store.open(progress.note)) as checkpoints:
+        work = _Work(design_file, threads or available_threads(), checkpoints, progress)
+        return _ship(work, *_searched(work, design), out, effort)
 
-    def base(folder: Path) -> str:
+
+@dataclass(frozen=True)
+class _Work:
+    """What a design is found with."""
+
+    design_file: Path
+    threads: int
+    checkpoints: Checkpoints
+    progress: Progress
+
+    def base(self, design: LedDesign, folder: Path) -> str:
+        """Return what a stack file in a folder extends."""
         if design.stack.file is None:
             return str(design.stack.preset)
-        return os.path.relpath(design_file.parent / design.stack.file, folder)
+        return os.path.relpath(self.design_file.parent / design.stack.file, folder)
 
-    def search_of(design: LedDesign) -> LedSearch:
-        stack = read_led_stack(design, design_file)
+    def trace(self, folder: Path, seed: int, paths: int, goal: float) -> CellResult:
+        """Trace the films and the stack of a folder."""
+        from mpfcad.backlight import read_stack
+
+        run = TraceRun(seed, self.threads, paths, self.checkpoints, self.progress.trace)
+        lit = light_film(read_stack(folder / STACK), folder / FILM)
+        return luminance_over_cell(lit, run, half_width_goal=goal)
+
+    def search(self, design: LedDesign) -> LedSearch:
+        """Return the search of a board's map; each trial is traced from files of its own."""
+        stack = read_led_stack(design, self.design_file)
+        aim = design.goal.aim
+        said = "" if aim == "contrast" else f", {board_words(aim, stack)}"
 
         def tried(chosen: CurvatureSeries) -> CellResult:
             with tempfile.TemporaryDirectory() as temporary:
                 folder = Path(temporary)
-                write_films(design, stack, base(folder), chosen, folder)
+                write_films(design, stack, self.base(design, folder), chosen, folder)
+                self.progress.stage(f"tracing C = {chosen.coefficient[0, 0]:.3g} /mm{said}")
                 paths = round(design.search.paths_million * 1e6)
-                run = TraceRun(design.seed, count, paths, progress=progress.trace)
-                progress.stage(f"tracing C = {chosen.coefficient[0, 0]:.3g} /mm{said(stack)}")
-                return _trace(folder, run, NO_GOAL)
+                return self.trace(folder, design.seed, paths, NO_GOAL)
 
         return LedSearch(design, tried)
 
-    def said(stack: Stack) -> str:
-        return "" if goal is None else f", {board_words(design.goal.aim, stack)}"
 
-    goal = None
+def _searched(work: _Work, design: LedDesign) -> tuple[LedDesign, LedSearch, dict[str, Any] | None]:
+    """Return the design of the board that was chosen, its search, and what was asked of others."""
     if design.goal.aim == "contrast":
-        search = search_of(design)
+        search = work.search(design)
         search.run()
-    else:
-        panel = stack.panel_width, stack.panel_length
-        boards = boards_of(design, str(design_file), panel)
-        for board in boards:  # all are read before any is traced
-            read_led_stack(board.design, design_file)
-        target = design.goal.contrast_target
-        goal = GoalSearch(boards, lambda board: search_of(board.design), target)
-        chosen = goal.run()
-        search, ranged = goal.searched[chosen], goal.describe(chosen, design.goal.aim)
-        design = boards[chosen].design
-        stack = read_led_stack(design, design_file)
-    best = search.best
+        return design, search, None
+    file = work.design_file
+    stack = read_led_stack(design, file)
+    boards = boards_of(design, str(file), (stack.panel_width, stack.panel_length))
+    for board in boards:  # all are read before any is traced
+        read_led_stack(board.design, file)
+    target = design.goal.contrast_target
+    goal = GoalSearch(boards, lambda board: work.search(board.design), target)
+    chosen = goal.run()
+    return boards[chosen].design, goal.searched[chosen], goal.describe(chosen, design.goal.aim)
+
+
+def _ship(
+    work: _Work,
+    design: LedDesign,
+    search: LedSearch,
+    ranged: dict[str, Any] | None,
+    out: Path,
+    effort: str,
+) -> dict[str, Any]:
+    """Write the best map's files into `out`, trace them, and return the record."""
+    from mpfcad.record import describe_cell
+    from mpfcad.report.page.led_page import write_led_page
+
+    file, progress = work.design_file, work.progress
+    stack, best, base = read_led_stack(design, file), search.best, work.base(design, out)
     with export_folder(out, "led-design") as folder:
-        films = write_films(design, stack, base(out), best.map, folder)
+        films = write_films(design, stack, base, best.map, folder)
         progress.stage("checking " + " and ".join((FILM, CROSSED)[: len(films)]))
         check_films(films, folder)
         _write_map(folder / MAP, films[0])
         progress.stage(f"tracing {FILM} in {STACK}")
-        setting = TRACE_SETTINGS[effort]
-        run = TraceRun(design.seed + 1, count, setting.path_limit, progress=progress.trace)
-        with tempfile.TemporaryDirectory() as temporary:
-            # From a copy of the shipped films; the stack's base is found from where it will lie.
-            copy = Path(temporary)
-            for name in (FILM, CROSSED):
-                if (folder / name).is_file():
-                    (copy / name).write_bytes((folder / name).read_bytes())
-            text = (folder / STACK).read_text("utf-8")
-            (copy / STACK).write_text(text.replace(base(out), base(copy), 1), "utf-8")
-            found = _trace(copy, run, setting.half_width_goal)
+        seed = design.seed + 1
+        found = _trace_shipped(work, design, folder, base, seed, effort)
         tables = job_tables(design, best.map)
         used = np.concatenate([film.curvature[np.unique(film.chosen)] for film in films])
-        printing = find_screen(design, design_file, tables, used)
+        printing = find_screen(design, file, tables, used)
         tables = printed_tables(design, tables, printing)
-        bears = find_tolerances(design, design_file, stack, tables, count, progress)
+        bears = find_tolerances(design, file, stack, tables, work.threads, progress)
         record = {
             "schema": 1,
             "name": design.name,
@@ -131,7 +158,7 @@ def run_led_design(
             # The search asks no screen but by the limits of C; the job that is written does.
             "screen": PHOTOTOOL_ONLY,
             "printing": describe_screen(printing),
-            "range": None if goal is None else ranged,
+            "range": ranged,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.source.cell),
             "series_per_mm": best.map.coefficient.tolist(),
@@ -140,15 +167,30 @@ def run_led_design(
             "model_least": _describe_least(design.constraint, search),
             "mould": _describe_least(_of_mould(design), search),
             "effort": effort,
-            "found": describe_cell(found, run.seed),
+            "found": describe_cell(found, seed),
             "bears": bears,
         }
         write_text(folder / RECORD, canonical_json(record))
-        write_job(folder / f"{design.name}.toml", design, design_file, base(out), tables)
+        write_job(folder / f"{design.name}.toml", design, file, base, tables)
         progress.stage(f"writing {PAGE}")
         write_led_page(folder / PAGE, record, shown_films(films, folder))
         write_manifest(folder, design.name, "led-design")
     return record
+
+
+def _trace_shipped(
+    work: _Work, design: LedDesign, folder: Path, base: str, seed: int, effort: str
+) -> CellResult:
+    """Trace a copy of the shipped films, whose stack's base is found from where it will lie."""
+    setting = TRACE_SETTINGS[effort]
+    with tempfile.TemporaryDirectory() as temporary:
+        copy = Path(temporary)
+        for name in (FILM, CROSSED):
+            if (folder / name).is_file():
+                (copy / name).write_bytes((folder / name).read_bytes())
+        text = (folder / STACK).read_text("utf-8")
+        (copy / STACK).write_text(text.replace(base, work.base(design, copy), 1), "utf-8")
+        return work.trace(copy, seed, setting.path_limit, setting.half_width_goal)
 
 
 def write_job(
@@ -199,13 +241,6 @@ def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
         "cad": {"levels": design.constraint.levels, "piece_mm": design.constraint.piece_mm},
         "stack": dict(tables["stack"]),
     }
-
-
-def _trace(folder: Path, run: TraceRun, goal: float) -> CellResult:
-    from mpfcad.backlight import read_stack
-
-    lit = light_film(read_stack(folder / STACK), folder / FILM)
-    return luminance_over_cell(lit, run, half_width_goal=goal)
 
 
 def _distance(stack: Stack) -> float:
