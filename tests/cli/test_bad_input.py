@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from harness import BARE, extruded, film_file, row, write_facets
 
 from mpfcad.cli import run_app
 
@@ -248,3 +249,20 @@ def test_an_npz_that_grows_a_thousandfold_is_not_unpacked(folder, capsys):
     assert (folder / "m.npz").stat().st_size < 200_000
     (folder / "job.toml").write_text(f'{HEAD}[map]\nfile = "m.npz"\n')
     refused(capsys, ["mask", "job.toml"], "m.npz")
+
+
+def test_prisms_that_no_light_sees_or_that_are_not_there_are_refused(folder, capsys):
+    film_file(folder / "film.stl", [BARE])
+    (folder / "resin.toml").write_text(STACK + "[value]\nresin_index = 1.49\n")
+    asked = ["trace", "film.stl", "--prism", "film.stl", "--stack"]
+    refused(capsys, [*asked, "thesis-32in-mpf"], "--prism: film.stl", "resin that scatters")
+    asked[3] = "none.stl"
+    refused(capsys, [*asked, "resin.toml"], "--prism: none.stl: no such file")
+
+
+def test_a_wrong_stack_leaves_no_repaired_mesh(folder, capsys):
+    facets = extruded(*row([BARE], 0.15), 0.1)
+    write_facets(folder / "film.stl", facets[:-1])
+    before = sorted(p.name for p in folder.iterdir())
+    refused(capsys, ["trace", "film.stl", "--repair", "--stack", "none.toml"], "none.toml")
+    assert sorted(p.name for p in folder.iterdir()) == before

@@ -12,7 +12,19 @@ from mpfcad.pipeline.run.repair import repair_mesh
 from mpfcad.store import Store
 
 if TYPE_CHECKING:
+    from mpfcad.backlight import Stack
     from mpfcad.measure import LuminanceResult
+
+
+def _check_prism(prism: Path, stack: "Stack") -> None:
+    """Refuse the file of a film without resin that is not there, or that no light would see."""
+    if not stack.needs_prism:
+        raise InputError(
+            f"--prism: {prism}: in {stack.name} light does not see where the resin ends: expected "
+            "resin that scatters or has a material of its own, or rough prisms"
+        )
+    if not prism.is_file():
+        raise InputError(f"--prism: {prism}: no such file: expected the film without its resin")
 
 
 def trace_mesh(
@@ -59,12 +71,14 @@ def trace_mesh(
 
     if mesh is not None and not mesh.is_file():
         raise InputError(f"{mesh}: no such file: expected a closed mesh in mm")
+    backlight = read_stack(stack, thickness=thickness).with_prism(prism)
+    if prism is not None:
+        _check_prism(prism, backlight)
     setting = TRACE_SETTINGS[effort]
     repaired = None
     if repair and mesh is not None:
         mesh, repaired = repair_mesh(mesh, progress)
     progress.stage(f"tracing {mesh or stack}")
-    backlight = read_stack(stack, thickness=thickness).with_prism(prism)
     if confidence:
         refuse_confidence(backlight)
     case = mesh_case(mesh, backlight, offset)
