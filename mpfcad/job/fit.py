@@ -26,7 +26,10 @@ _RANGE = {
 _LIMITS = ("value", "at_most", "at_least")
 _IMAGE = ("pixel_mm", "cd_m2_per_count", "dark", "flat", "crop", "rotation_deg")
 _CURVE = ("lamp_at_mm", "pitch_mm", "unit", "scale_sigma", *_IMAGE)
-Number = Annotated[float, Field(allow_inf_nan=False)]
+#: Figures and their errors lie within so much: squares and ratios of more are no numbers.
+_MOST = 1e12
+Number = Annotated[float, Field(ge=-_MOST, le=_MOST, allow_inf_nan=False)]
+Sigma = Annotated[Positive, Field(ge=1 / _MOST, le=_MOST)]
 
 
 class CaseTable(Table):
@@ -68,7 +71,7 @@ class PredictTable(Table):
 class CandidateTable(PredictTable):
     """`[[candidate]]`: what could be measured next, with the error that it would have."""
 
-    sigma: Positive
+    sigma: Sigma
 
 
 class MeasurementTable(Table):
@@ -81,12 +84,12 @@ class MeasurementTable(Table):
     value: Number | None = None
     at_most: Number | None = None
     at_least: Number | None = None
-    sigma: Positive | None = None
+    sigma: Sigma | None = None
     file: str | None = None
     unit: str | None = None
     lamp_at_mm: Number | None = None
     pitch_mm: Positive | None = None
-    scale_sigma: Positive | None = None
+    scale_sigma: Sigma | None = None
     pixel_mm: Positive | None = None
     cd_m2_per_count: Positive = 1.0
     dark: str | None = None
