@@ -6,7 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.film.stylus.correlation import correlation_sum
-from mpfcad.film.stylus.model import FILL, LIKELY_ROUND, PITCH, SLOPE, WETTING, TraceModel
+from mpfcad.film.stylus.model import (
+    FILL,
+    FLATNESS,
+    LIKELY_ROUND,
+    PITCH,
+    ROUNDNESS,
+    SLOPE,
+    WETTING,
+    TraceModel,
+)
 from mpfcad.units import nm, um
 
 #: The least noise assumed: that of heights printed to a nanometre or two.
@@ -15,6 +24,8 @@ LEAST_NOISE = 0.5 * nm
 RISE = 3.841459
 #: Mean u up to which resin may reach the tips, and a wetting that is no more than theirs.
 _COVERED, _WET = 1.1, 1e-3
+#: Share of the walls' slope at which resin is level, or along the walls.
+_END = 1e-3
 #: Curvatures and wettings tried before the fit.
 _GRID, _WETTINGS = 21, (0.3, 0.0, -0.3, -0.6)
 #: Steps of a fit at most.
@@ -85,9 +96,27 @@ def fit_model(whole: TraceModel) -> Fitted:
         off = np.convolve(off, np.ones(3), "same") > 0
         model = whole.at(~off) if 0 < np.mean(off) < _SPIKE_SHARE else whole
         noise = max(float(np.std(model.residual(value))), LEAST_NOISE)
+    value = _off_the_ends(model, value, noise)
     model, value = _up_to_the_tips(model, value, noise)
     misfit = float(np.mean(np.abs(whole.residual(value))))
     return Fitted(model, value, noise, max(misfit, LEAST_NOISE), whole)
+
+
+def _off_the_ends(
+    model: TraceModel, value: NDArray[np.float64], noise: float
+) -> NDArray[np.float64]:
+    """Return the better of a fit and one begun at a parabola, where all resin is level or along.
+
+    There less wetting, or more, changes nothing: a fit that came there stays.
+    """
+    steep, slope = float(value[SLOPE]), model.menisci(value).slope
+    if model.profile == "ideal" or np.any((slope > _END * steep) & (slope < (1 - _END) * steep)):
+        return value
+    start = value.copy()
+    start[[WETTING, ROUNDNESS, FLATNESS]] = 0.0, LIKELY_ROUND, 0.0
+    found = solve(model, start, noise, close=1e-6)
+    costs = [_weighted(model, each, noise, False)[2] for each in (value, found)]
+    return found if costs[1] < costs[0] else value
 
 
 def _up_to_the_tips(
