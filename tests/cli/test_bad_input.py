@@ -266,3 +266,11 @@ def test_a_wrong_stack_leaves_no_repaired_mesh(folder, capsys):
     before = sorted(p.name for p in folder.iterdir())
     refused(capsys, ["trace", "film.stl", "--repair", "--stack", "none.toml"], "none.toml")
     assert sorted(p.name for p in folder.iterdir()) == before
+
+
+def test_a_covariance_of_no_input_is_refused_before_anything_is_traced(folder, capsys):
+    Path("c.csv").write_text("top_sigma\n1e-4\n")
+    Path("a.toml").write_text(UNIFORM + '[confidence]\ncovariance = "c.csv"\n')
+    refused(capsys, ["run", "a.toml"], "a.toml: confidence.covariance: top_sigma: expected inputs",
+            "resin_percent, resin_tone_percent, registration_mm")  # fmt: skip
+    assert not (folder / "exports").exists()

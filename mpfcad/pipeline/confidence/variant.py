@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +39,8 @@ _REASON = {
     DEPTH: "depth of the prisms, at equal fill",
     BASE: "thickness below the prisms",
 }
+#: Characters of a list of names in a message.
+_SHOWN = 150
 #: A step for a derivative, in units of sigma.
 _SMALL = 1e-3
 #: Changed films that are kept: those of a factorial with resin, depth and base, twice.
@@ -290,6 +293,23 @@ class Variants:
         for name, mode in zip((RESIN, TONE), modes, strict=False):
             found += mode * change.get(name, 0.0) / (100 * np.sqrt(np.mean(mode**2)))
         return np.exp(found)
+
+
+def refuse_unknown_inputs(where: str, stack: Stack, table: ConfidenceTable) -> None:
+    """Raise, before anything is traced, where a covariance names what is no input of a job.
+
+    Raises
+    ------
+    InputError
+        naming it.
+    """
+    known = [name for name in stack.quantity if width_of(stack, name).sigma > 0]
+    unknown = sorted(set(table.sigmas()) - {*known, *_REASON})
+    if unknown:
+        raise InputError(
+            f"{where}: confidence.covariance: {unknown[0]}: expected inputs that are not exact: "
+            f"{shorten(', '.join([*_REASON, *known]), _SHOWN, placeholder=' …')}"
+        )
 
 
 def _content(value: object) -> object:
