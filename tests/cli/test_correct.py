@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from mpfcad.cli import run_app
+from mpfcad.design import Correction
 from mpfcad.errors import InputError
 from mpfcad.pipeline.correct.measured import observe_print
+from mpfcad.pipeline.correct.printed import refuse_far
 from mpfcad.pipeline.judge import Judging
 from mpfcad.pipeline.progress import Silent
 
@@ -40,6 +42,10 @@ def files(tmp_path, monkeypatch):
          "--solids: 2: expected auto, or above 0 up to 1"),
         (["empty", "--measured", "m.csv", "--lamp-at-mm", "3", "--solids", "thin"],
          "--solids: thin"),
+        *[(["empty", "--measured", "m.csv", "--lamp-at-mm", "3", option, value],
+           f"{option}: {value}: expected above 0")
+          for option, value in (("--pitch-mm", "nan"), ("--pitch-mm", "0"), ("--pitch-mm", "-3"),
+                                ("--pixel-mm", "inf"), ("--cd-m2-per-count", "0"))],
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line(files, capsys, arguments, words):
@@ -80,3 +86,9 @@ def test_a_scale_a_little_off_is_said(files):
     assert "is -2.4% off the lamp pitch in mm" in notes.said[0]
     observe_print(files / "m.csv", Judging(lamp=0.0), 16.0, notes)
     assert len(notes.said) == 1
+
+
+def test_a_measurement_of_another_film_is_refused(tmp_path):
+    refuse_far(tmp_path / "m.csv", Correction(1.0, np.array([0.2, 0.1, 0.0, 0.0])))
+    with pytest.raises(InputError, match=r"m.csv: .* by 81% of its mean .* measurement of this"):
+        refuse_far(tmp_path / "m.csv", Correction(1.0, np.array([0.8, 0.1, 0.0, 0.0])))

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from mpfcad.cli.measure.judge import photo_of, refuse_infinite, unit_of
+from mpfcad.cli.measure.judge import photo_of, refuse_infinite, refuse_not_above_0, unit_of
 from mpfcad.cli.option import (
     Crop,
     Dark,
@@ -79,6 +79,7 @@ def command(
     from mpfcad.pipeline.judge import Judging
 
     folder = out or Path("exports") / f"{export.name}-corrected"
+    refuse_not_above_0(pitch_mm, pixel_mm, cd_m2_per_count)
     refuse_infinite("--lamp-at-mm", lamp_at_mm)
     photo = photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg)
     judging = Judging(photo, unit_of(unit), pitch_mm, lamp_at_mm)

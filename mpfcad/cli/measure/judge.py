@@ -79,14 +79,10 @@ def command(
     """Judge a measured luminance by the same code and gates as a trace."""
     from mpfcad.boundary.out import check_out
     from mpfcad.cli.character import print_json
-    from mpfcad.errors import InputError
     from mpfcad.gate import exit_code
     from mpfcad.pipeline.judge import Judging, gate_of, judge_luminance
 
-    for name, value in (("--pitch-mm", pitch_mm), ("--pixel-mm", pixel_mm),
-                        ("--cd-m2-per-count", cd_m2_per_count)):  # fmt: skip
-        if value is not None and not 0 < value < float("inf"):
-            raise InputError(f"{name}: {value:g}: expected above 0")
+    refuse_not_above_0(pitch_mm, pixel_mm, cd_m2_per_count)
     refuse_infinite("--lamp-at-mm", lamp_at_mm)
     judging = Judging(
         photo_of(pixel_mm, cd_m2_per_count, dark, flat, crop, rotation_deg),
@@ -125,6 +121,18 @@ def photo_of(
             raise InputError(f"--crop: {crop!r}: expected four whole numbers L,T,R,B") from None
         box = (left, top, right, bottom)
     return Photo(pixel, scale, dark, flat, box, rotation_deg * deg)
+
+
+def refuse_not_above_0(
+    pitch_mm: float | None, pixel_mm: float | None, cd_m2_per_count: float
+) -> None:
+    """Refuse sizes and scales of a measurement that are not above 0."""
+    from mpfcad.errors import InputError
+
+    for name, value in (("--pitch-mm", pitch_mm), ("--pixel-mm", pixel_mm),
+                        ("--cd-m2-per-count", cd_m2_per_count)):  # fmt: skip
+        if value is not None and not 0 < value < math.inf:
+            raise InputError(f"{name}: {value:g}: expected above 0")
 
 
 def refuse_infinite(name: str, value: float | None) -> None:

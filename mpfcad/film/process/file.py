@@ -235,8 +235,11 @@ def _first_error(error: ValidationError) -> str:
     place = [f"row {p + 1}" if isinstance(p, int) else str(p) for p in first["loc"]]
     place = [p for i, p in enumerate(place) if not (p == "row" and i + 1 < len(place))]
     text = " ".join(first["msg"].removeprefix("Value error, ").split())
+    if first["type"] == "missing":
+        return f"{'.'.join(place)}: missing: expected a value"
     if first["type"] == "extra_forbidden":
         text = "unknown key"
+    text = text.replace("Input should be", "expected", 1)
     value = first["input"]
     shown = ", ".join(value) if isinstance(value, dict) else repr(value)
     return ": ".join([*([".".join(place)] if place else []), shown, text])

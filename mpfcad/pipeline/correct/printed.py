@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack, read_stack
 from mpfcad.boundary import reason_of
-from mpfcad.design import Constraint, Grid, Response
+from mpfcad.design import Constraint, Correction, Grid, Response
 from mpfcad.design.reprint import Reprint, find_reprint
 from mpfcad.errors import ExportError, InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
@@ -35,6 +35,9 @@ _NODE_STEP = 6.0
 _NEAR = 0.5
 #: Contrasts of maps that differ by less are as good.
 _AS_GOOD = 0.0005
+#: Cosines this far off the model's, together, are of another film or backlight: widths of data
+#: sheets and of an uncalibrated print move them by less than 0.06.
+_FAR = 0.25
 
 
 def correct_print(
@@ -87,6 +90,7 @@ def correct_print(
         )
         for resin in resins
     ]  # fmt: skip
+    refuse_far(measured, reprints[0].correction)
     number = _chosen(reprints, limit)
     resin, reprint = resins[number], reprints[number]
     record = _record(plan, found, reprint, limit) | {
@@ -103,6 +107,23 @@ def correct_print(
         write_text(folder / "correct.json", canonical_json(record))
         write_manifest(folder, record["name"], "correct")
     return record
+
+
+def refuse_far(measured: Path, correction: Correction) -> None:
+    """Refuse a measurement that is none of the print in its backlight.
+
+    Raises
+    ------
+    InputError
+        when its cosines are far off the model's.
+    """
+    off = float(np.linalg.norm(correction.relative))
+    if off > _FAR:
+        raise InputError(
+            f"{measured}: luminance varies over the pitch by {off:.0%} of its mean otherwise than "
+            f"this print's in its backlight by the model: expected {_FAR:.0%} at most: a "
+            "measurement of this print"
+        )
 
 
 def _plan(export: Path) -> Plan:
