@@ -14,7 +14,7 @@ from mpfcad.errors import TraceError
 from mpfcad.optics import sheet, slab
 from mpfcad.optics.bsdf.table import BsdfTable
 from mpfcad.optics.cavity import board, endless
-from mpfcad.optics.cavity.board import Board
+from mpfcad.optics.cavity.board import Board, Cup
 from mpfcad.optics.element import (
     BSDF,
     CAVITY,
@@ -44,7 +44,7 @@ from mpfcad.optics.stokes.mueller import MuellerLayer
 from mpfcad.optics.stokes.plane import PlaneLayer
 
 #: Columns of a row: as many as the kind with most of them needs.
-COLUMNS = 18
+COLUMNS = 19
 
 
 class Rows:
@@ -136,6 +136,20 @@ def _board_columns(placed: Board, shared: Shared) -> Mapping[int, float]:
         board.LED_FLUX: placed.led_flux,
         board.HOLE_RADIUS: placed.hole_radius,
         board.HOLE_REFLECTANCE: placed.hole_reflectance,
+        **_cup_columns(placed.cup),
+    }
+
+
+def _cup_columns(cup: Cup | None) -> Mapping[int, float]:
+    if cup is None:
+        return {}
+    return {
+        board.CUP_HEIGHT: cup.height,
+        board.CUP_RADIUS: cup.radius,
+        board.CUP_RIM: cup.rim_radius,
+        board.CUP_REFLECTANCE: cup.reflectance,
+        board.CUP_SPECULAR_FRACTION: cup.specular_fraction,
+        board.CUP_SQUARE: cup.square,
     }
 
 

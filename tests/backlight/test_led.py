@@ -147,6 +147,29 @@ def test_bad_emission_files(tmp_path):
     refused(write(tmp_path, 'emission = "square"'), "square")
 
 
+CUP = "led_cup_height_mm = 3\nled_cup_radius_mm = {}\nled_cup_rim_radius_mm = {}"
+
+
+@pytest.mark.parametrize("shape", ["round", "square"])
+def test_cups_are_read_described_and_lowered(tmp_path, shape):
+    text = f'emission = "cosine"\ncup = "{shape}"'
+    values = CUP.format(2, 6.075) + "\nled_cup_specular_fraction = 0.1"
+    stack = read_stack(write(tmp_path, text, values))
+    cup = lower_stack(stack, film_mesh(tmp_path, [BARE]))[0].cup
+    assert (cup.height, cup.radius, cup.rim_radius) == (3, 2, 6.075)
+    assert cup.square == (shape == "square")
+    assert cup.reflectance == stack["reflector_reflectance"] and cup.specular_fraction == 0.1
+    named = {entry["name"]: entry["value"] for entry in stack.inputs()}
+    assert named["led_cup"] == shape and named["led_cup_rim_radius_mm"] == 6.075
+    assert f"in {shape} cups 3 mm high" in stack.source.emitters().note
+    assert restore_spec(json.loads(json.dumps(stack.spec.describe()))) == stack.spec
+    plain = read_stack("led-automotive-6mm")
+    assert not [e["name"] for e in plain.inputs() if "cup" in e["name"]]
+    assert lower_stack(plain, film_mesh(tmp_path, [BARE]))[0].cup is None
+    straight = read_stack(write(tmp_path, text, CUP.format(2, 3).rpartition("\n")[0]))
+    assert straight["led_cup_rim_radius_mm"] == 2
+
+
 @pytest.mark.parametrize(
     ("source", "values", "words"),
     [
@@ -160,6 +183,21 @@ def test_bad_emission_files(tmp_path):
         ("seed = -1", "", ["source.seed"]),
         ("", "led_width_mm = 12.5", ["overlap their own repetition in a cell of 12.15 ×"]),
         ("", "led_height_mm = 7", ["thickness_mm"]),
+        ('cup = "hexagonal"', "", ["source.cup", "hexagonal", "round or square"]),
+        ("", "led_cup_radius_mm = 3", ["led_cup_radius_mm: 3", "source.cup"]),
+        ('cup = "round"', "led_cup_radius_mm = 3", ["led_cup_height_mm: 0", "0.7 mm or more"]),
+        ('cup = "round"', "led_cup_height_mm = 0.6", ["led_cup_height_mm: 0.6"]),
+        ('cup = "round"', "led_cup_height_mm = 6", ["led_cup_height_mm: 6", "thickness_mm 6"]),
+        ('cup = "round"', CUP.format(1.5, 3), ["led_cup_radius_mm: 1.5", "1.98 or more"]),
+        ('cup = "square"', CUP.format(1.3, 3), ["led_cup_radius_mm: 1.3", "1.4 or more"]),
+        ('cup = "round"', CUP.format(3, 2), ["led_cup_rim_radius_mm: 2", "3 or more"]),
+        ('cup = "round"', CUP.format(3, 6.1), ["led_cup_rim_radius_mm: 6.1", "LEDs 1 and 1"]),
+        ('cup = "square"\nlattice = "staggered"', CUP.format(3, 6.08), ["LEDs 1 and 1"]),
+        (
+            'cup = "round"\nlattice = "hexagonal"\nrepeat = [2, 2]',
+            CUP.format(3, 6.1),
+            ["LEDs 1 and 2"],
+        ),
     ],
 )
 def test_boards_that_cannot_be(tmp_path, source, values, words):

@@ -64,6 +64,7 @@ layers = ["clear_plate", "bottom_sheet", "top_sheet"]
 kind = "leds"
 lattice = "hexagonal"
 emission = "cosine"
+cup = "round"
 repeat = [2, 1]
 dead = [1]
 seed = 3
@@ -73,6 +74,9 @@ led_flux_spread = 0.05
 led_position_error_mm = 0.1
 led_hole_radius_mm = 1.0
 led_hole_reflectance = 0.5
+led_cup_height_mm = 0.8
+led_cup_radius_mm = 1.0
+led_cup_rim_radius_mm = 1.6
 """
 _PYRAMIDS = JOB.encode().replace(
     b"[map]\ncurvature_per_mm = 60.0", b'[map]\ncurvature_per_mm = 60.0\n[film]\ncell = "pyramid"'

@@ -5,7 +5,9 @@ import pytest
 from harness import BARE, crossed_mesh, film_mesh, groove, polarised_paths
 from oracle.polarised import PolarisedPhilox
 from oracle.tracer import ReferenceTracer
+from test_board import LAMBERTIAN, board
 
+from mpfcad.optics.cavity.board import Cup
 from mpfcad.optics.cavity.finite import Panel
 from mpfcad.optics.element import Cavity, Film, Sheet, Slab
 from mpfcad.optics.film.resin import Resin
@@ -53,6 +55,9 @@ def elements(name, folder):
         case "panel":
             panel = Cavity(20.0, 32.0, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.6, panel=PANEL)
             return [panel, film, DBEF]
+        case "cups":
+            mirrors = Cup(2.0, 1.45, 1.5, 0.9, 0.8)
+            return [board(4.0, 3.0, LAMBERTIAN, size=2.0, cup=mirrors), film, DBEF]
 
 
 @pytest.mark.parametrize(
@@ -68,6 +73,7 @@ def elements(name, folder):
         "two materials, rough",
         "polarisers",
         "panel",
+        "cups",
     ],
 )
 def test_paths_equal_the_oracle(tmp_path, name):

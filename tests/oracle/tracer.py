@@ -7,8 +7,10 @@ numbers in the same order as `engine`, so that single paths can be compared, not
 
 import math
 
+from mpfcad.optics.cavity.board import Board
 from mpfcad.optics.element import BsdfSheet, Cavity, Element, Film, Sheet, Slab
 from mpfcad.optics.stokes.plane import PlaneLayer
+from oracle.board import board_passage
 from oracle.bsdf import scatter
 from oracle.cavity import cavity_passage
 from oracle.film import ReferenceFilm
@@ -60,8 +62,9 @@ class ReferenceTracer:
                 return total + rng.seen(weight * self.above)
             element = self.elements[number]
             pass_through = {
-                Cavity: cavity_passage, Slab: self._slab, Sheet: self._sheet, Film: self._film,
-                BsdfSheet: self._bsdf, PlaneLayer: self._plane,
+                Board: board_passage, Cavity: cavity_passage, Slab: self._slab,
+                Sheet: self._sheet, Film: self._film, BsdfSheet: self._bsdf,
+                PlaneLayer: self._plane,
             }[type(element)]  # fmt: skip
             up, place, d, weight, found = pass_through(element, up, place, d, weight, rng)
             total += rng.seen(found)

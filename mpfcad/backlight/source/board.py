@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.backlight.source.cup import check_cups, lower_cup
 from mpfcad.backlight.source.emission import batwing, cosine
 from mpfcad.backlight.source.lattice import LATTICES, binned, is_mirrored, overlap, repeated
 from mpfcad.backlight.source.protocol import Emitters, Period, StackValues
@@ -54,6 +55,10 @@ class LedChoice(Protocol):
     @property
     def zones(self) -> ZoneSpec | None:
         """Zones, if any."""
+
+    @property
+    def cup(self) -> str:
+        """Shape of the cups, if any."""
 
 
 @dataclass(frozen=True)
@@ -176,6 +181,7 @@ class LedBoard:
         if not self.placed[:, 2].any():
             raise InputError(f"{where}: source.dead: all LEDs: expected one that shines")
         self._lay_zones(where)
+        check_cups(where, stack, self.spec.cup, self.placed, self.period, self.size)
         both = overlap(self.placed, self.period, self.size)
         if both:
             raise InputError(f"{where}: {self._overlap_words(*both)}")
@@ -238,6 +244,7 @@ class LedBoard:
             specular_fraction=stack["reflector_specular_fraction"],
             hole_radius=stack["led_hole_radius_mm"],
             hole_reflectance=stack["led_hole_reflectance"],
+            cup=lower_cup(stack, self.spec.cup),
             brdf=table.table if table else None,
             blend=table.blend if table else 1.0,
         )
@@ -270,6 +277,8 @@ class LedBoard:
             f"{stack['led_pitch_along_mm']:g} mm, {self.spec.emission}, "
             f"{stack['led_flux_lm']:g} lm each"
         )
+        if self.spec.cup:
+            note += f"; in {self.spec.cup} cups {stack['led_cup_height_mm']:g} mm high"
         note += f"; {self.edge}" if self.edge else ""
         return Emitters(
             "LEDs", note, width, height, height / 2, False, stack["led_pitch_across_mm"]

@@ -17,10 +17,14 @@ from mpfcad.backlight.source.zone import ZoneSpec, read_zones
 from mpfcad.errors import InputError
 
 _KEYS = (
-    "kind", "lattice", "positions", "emission", "repeat", "dead", "seed", "zones", "tag", "source",
+    "kind", "lattice", "positions", "emission", "cup", "repeat", "dead", "seed", "zones", "tag",
+    "source",
 )  # fmt: skip
 #: Which formula a value is of.
 _OF_FORMULA = {"led_half_angle_deg": "cosine", "led_peak_angle_deg": "batwing"}
+#: Shapes of a cup; the first is none.
+_CUPS = ("", "round", "square")
+_CUP = "led_cup_"
 _MOST_REPEAT = 20
 
 
@@ -48,6 +52,8 @@ class LedSpec:
         SHA-256 of each file read, by its name
     zones
         how many are dimmed by themselves across and along the panel, or their rectangles; or none
+    cup
+        one of `_CUPS`
     """
 
     lattice: str = "square"
@@ -61,6 +67,7 @@ class LedSpec:
     source: str = "given by the user"
     files: Mapping[str, str] = field(default_factory=dict)
     zones: ZoneSpec | None = None
+    cup: str = ""
 
     kind: ClassVar[str] = "leds"
     ranges: ClassVar[Mapping[str, Range]] = {
@@ -79,6 +86,11 @@ class LedSpec:
         "led_peak_angle_deg": ((20.0, 85.0), 65.0),
         "led_hole_radius_mm": ((0.0, 100.0), 0.0),
         "led_hole_reflectance": ((0.0, 1.0), "reflector_reflectance"),
+        "led_cup_height_mm": ((0.0, 100.0), 0.0),
+        "led_cup_radius_mm": ((0.0, 500.0), 0.0),
+        "led_cup_rim_radius_mm": ((0.0, 500.0), "led_cup_radius_mm"),
+        "led_cup_reflectance": ((0.0, 1.0), "reflector_reflectance"),
+        "led_cup_specular_fraction": ((0.0, 1.0), "reflector_specular_fraction"),
         "led_flux_spread": ((0.0, 1.0), 0.0),
         "led_position_error_mm": ((0.0, 10.0), 0.0),
     }
@@ -120,7 +132,7 @@ class LedSpec:
             lattice, emission, listed, intensity, _repeat(where, entry.get("repeat", [1, 1])),
             _numbers(where, entry.get("dead", [])), _seed(where, entry.get("seed", 1)),
             str(entry.get("tag", "given")), str(entry.get("source", "given by the user")), files,
-            zones,
+            zones, _cup(where, entry.get("cup", "")),
         )  # fmt: skip
 
     @classmethod
@@ -149,6 +161,7 @@ class LedSpec:
             "source": self.source,
             "files": dict(self.files),
             **({} if self.zones is None else {"zones": self.zones.describe()}),
+            **({"cup": self.cup} if self.cup else {}),
         }
 
     def find_range(self, key: str) -> Range | None:
@@ -158,7 +171,7 @@ class LedSpec:
     def numbered(self, keys: Mapping[str, Any]) -> list[str]:
         """Return the values that may be left out, where they are there."""
         used = [k for k in self.optional if _OF_FORMULA.get(k, self.emission) == self.emission]
-        return [key for key in used if key in keys]
+        return [k for k in used if k in keys and (self.cup or not k.startswith(_CUP))]
 
     def patterns(self) -> list[str]:
         """Return the values that may be left out."""
@@ -173,6 +186,7 @@ class LedSpec:
             {"name": "led_lattice", "value": self.lattice, **seen},
             {"name": "led_emission", "value": self.emission, **seen},
             *([{"name": "led_zones", "value": self.zones.words, **tag}] if self.zones else []),
+            *([{"name": "led_cup", "value": self.cup, **tag}] if self.cup else []),
         ]
 
     def of(self, stack: StackValues) -> LedBoard:
@@ -195,6 +209,12 @@ def _numbers(where: str, value: Any) -> tuple[int, ...]:
     if not isinstance(value, list) or not all(type(n) is int and n >= 1 for n in value):
         raise InputError(f"{where}.dead: {value!r}: expected a list of LEDs' numbers from 1")
     return tuple(value)
+
+
+def _cup(where: str, value: Any) -> str:
+    if value not in _CUPS:
+        raise InputError(f"{where}.cup: {value}: expected {' or '.join(_CUPS[1:])}")
+    return str(value)
 
 
 def _seed(where: str, value: Any) -> int:

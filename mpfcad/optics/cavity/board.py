@@ -1,7 +1,8 @@
 """The space under the stack over a board of LEDs: boxes on a reflector, whose tops shine.
 
 The LEDs of one cell repeat without end along x and y. Their sides and tops reflect diffusely; round
-each the board may have another reflectance (a hole in the reflector, solder mask).
+each the board may have another reflectance (a hole in the reflector, solder mask), and each may
+stand in a cup (`cavity.cup`).
 """
 
 import math
@@ -21,10 +22,36 @@ from mpfcad.optics.cavity.endless import BRDF, HEIGHT, LOST, OPENING, REFLECTANC
 #: reflectance, specular fraction and BRDF.
 PERIOD_ACROSS, PERIOD_ALONG, LED_WIDTH, LED_LENGTH, LED_HEIGHT, LED_REFLECTANCE = range(1, 7)
 LED_FLUX, HOLE_RADIUS, HOLE_REFLECTANCE = range(BRDF + 1, BRDF + 4)
+CUP_HEIGHT, CUP_RADIUS, CUP_RIM = range(BRDF + 4, BRDF + 7)
+CUP_REFLECTANCE, CUP_SPECULAR_FRACTION, CUP_SQUARE = range(BRDF + 7, BRDF + 10)
 #: The columns of an LED: its middle, flux as a multiple of `LED_FLUX`, share of all flux with it.
 LED_X, LED_Y, LED_FACTOR, LED_SHARE = range(4)
-LED_TOP, LED_SIDE = range(LOST + 1, LOST + 3)
+LED_TOP, LED_SIDE, CUP_WALL = range(LOST + 1, LOST + 4)
 _MOST_PIECES = 100_000
+
+
+@dataclass(frozen=True)
+class Cup:
+    """A hollow round each LED in a sheet that covers the board; lengths in mm.
+
+    Attributes
+    ----------
+    height
+        of the sheet's top over the board; no less than that of the LEDs
+    radius, rim_radius
+        at the board; at the sheet's top, no less than there. Of a square cup half a side
+    reflectance, specular_fraction
+        of the walls and of the sheet's top, as of the reflector
+    square
+        whether it is square, its sides along x and y; else round
+    """
+
+    height: float
+    radius: float
+    rim_radius: float
+    reflectance: float
+    specular_fraction: float
+    square: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +78,8 @@ class Board(Mirrored):
         of the reflector 0…1; the mirror-like part of it 0…1, the rest is Lambertian
     hole_radius, hole_reflectance
         round each LED's middle the board has another, diffuse reflectance
+    cup
+        what each LED stands in, if it does; the board is seen at its bottom alone
     brdf, blend
         a table in the place of the reflector's two values, and its interpolation (`BsdfSheet`)
     """
@@ -68,6 +97,7 @@ class Board(Mirrored):
     specular_fraction: float
     hole_radius: float = 0.0
     hole_reflectance: float = 0.0
+    cup: Cup | None = None
     name: str = "reflector"
     brdf: BsdfTable | None = None
     blend: float = 1.0
@@ -119,7 +149,7 @@ def in_hole(parameter, led, x, y):
 
 
 @kernel
-def _box_hit(x, y, dx, dy, cx, cy, half_width, half_length):
+def box_hit(x, y, dx, dy, cx, cy, half_width, half_length):
     """Return (distance, whether through a side across) at which a ray enters an upright box."""
     enter, leave, across = 0.0, math.inf, False
     if dx != 0.0:
@@ -167,7 +197,7 @@ def _side_hit(parameter, led, x, y, dx, dy, reach):
             top = math.floor((max(y0, y1) + half_length - cy) / along)
             for k in range(first, last + 1):
                 for m in range(bottom, top + 1):
-                    distance, through = _box_hit(
+                    distance, through = box_hit(
                         x, y, dx, dy, cx + k * across, cy + m * along, half_width, half_length
                     )
                     if distance < best:
@@ -184,26 +214,26 @@ def _side_hit(parameter, led, x, y, dx, dy, reach):
 
 @kernel
 def board_hit(parameter, led, x, y, z, dx, dy, dz):
-    """Return what a ray meets over a board: (what, x, y, z, LED's number, normal x, normal y)."""
+    """Return what a ray meets over a board: (what, x, y, z, LED's number, normal)."""
     if dz == 0.0:
-        return LOST, x, y, z, -1, 0.0, 0.0
+        return LOST, x, y, z, -1, 0.0, 0.0, 0.0
     top = parameter[LED_HEIGHT]
     if dz < 0.0 and z > top:
         flight = (top - z) / dz
         x, y, z = x + flight * dx, y + flight * dy, top
         number = led_at(parameter, led, x, y)
         if number >= 0:
-            return LED_TOP, x, y, z, number, 0.0, 0.0
+            return LED_TOP, x, y, z, number, 0.0, 0.0, 1.0
     if z < top or (z == top and dz < 0.0 and top > 0.0):
         reach = ((top if dz > 0.0 else 0.0) - z) / dz
         distance, nx, ny = _side_hit(parameter, led, x, y, dx, dy, reach)
         if distance < reach:
             z = min(max(z + distance * dz, 0.0), top)
-            return LED_SIDE, x + distance * dx, y + distance * dy, z, -1, nx, ny
+            return LED_SIDE, x + distance * dx, y + distance * dy, z, -1, nx, ny, 0.0
     end = parameter[HEIGHT] if dz > 0.0 else 0.0
     flight = (end - z) / dz
     what = OPENING if dz > 0.0 else REFLECTOR
-    return what, x + flight * dx, y + flight * dy, end, -1, 0.0, 0.0
+    return what, x + flight * dx, y + flight * dy, end, -1, 0.0, 0.0, 0.0
 
 
 @kernel

@@ -5,6 +5,9 @@ from mpfcad.optics.base.recorder import FLOW_ELEMENTS, FLOW_LAMPS, FLOW_LOST
 from mpfcad.optics.base.roulette import roulette
 from mpfcad.optics.bsdf.passage import bsdf_passage
 from mpfcad.optics.cavity.board import (
+    CUP_HEIGHT,
+    CUP_REFLECTANCE,
+    CUP_WALL,
     LED_FACTOR,
     LED_FLUX,
     LED_LENGTH,
@@ -15,6 +18,7 @@ from mpfcad.optics.cavity.board import (
     board_hit,
     board_reflectance,
 )
+from mpfcad.optics.cavity.cup import cup_direction, cup_hit
 from mpfcad.optics.cavity.emission import emitted_intensity
 from mpfcad.optics.cavity.endless import (
     BRDF,
@@ -24,7 +28,7 @@ from mpfcad.optics.cavity.endless import (
     lambertian,
     reflector_direction,
 )
-from mpfcad.optics.spectral.hue import EMITTER, HOLE, SURFACE, seen, strike
+from mpfcad.optics.spectral.hue import EMITTER, HOLE, SURFACE, WALL, seen, strike
 from mpfcad.optics.stokes.state import depolarise
 
 _MOST_MEETINGS = 1_000_000
@@ -47,7 +51,11 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, hue, rng):
     parameter = scene.parameter[0]
     radiance = 0.0
     for _ in range(_MOST_MEETINGS):
-        what, x, y, z, number, nx, ny = board_hit(parameter, scene.led, x, y, z, dx, dy, dz)
+        if parameter[CUP_HEIGHT] > 0.0:
+            hit = cup_hit(parameter, scene.led, x, y, z, dx, dy, dz)
+        else:
+            hit = board_hit(parameter, scene.led, x, y, z, dx, dy, dz)
+        what, x, y, z, number, nx, ny, nz = hit
         if what == OPENING:
             return x, y, dx, dy, dz, weight, radiance
         if what in (LED_TOP, LED_SIDE):
@@ -56,8 +64,13 @@ def over_board(scene, x, y, z, dx, dy, dz, weight, flow, light, hue, rng):
             flow[FLOW_LAMPS] += weight * (1.0 - parameter[LED_REFLECTANCE])
             weight *= parameter[LED_REFLECTANCE]
             strike(hue, 0, EMITTER)
-            dx, dy, dz = lambertian(nx, ny, 1.0 if what == LED_TOP else 0.0, rng)
+            dx, dy, dz = lambertian(nx, ny, nz, rng)
             depolarise(light)
+        elif what == CUP_WALL:
+            flow[FLOW_ELEMENTS] += weight * (1.0 - parameter[CUP_REFLECTANCE])
+            weight *= parameter[CUP_REFLECTANCE]
+            strike(hue, 0, WALL)
+            dx, dy, dz = cup_direction(parameter, dx, dy, dz, nx, ny, nz, light, rng)
         elif what == REFLECTOR:
             before = weight
             reflectance, hole = board_reflectance(parameter, scene.led, x, y)

@@ -21,7 +21,7 @@ from mpfcad.optics.stokes.state import ROWS
 
 #: What a path of its length in weakens: a plate or prism, and resin of another material.
 MATERIAL, RESIN = range(2)
-#: What a path meets: a sheet or reflector, a lamp, the hole of an LED, a side wall.
+#: What a path meets: a sheet or reflector, a lamp, the hole of an LED, a side wall or a cup's.
 SURFACE, EMITTER, HOLE, WALL = range(4)
 #: In the place of a converter's number: the lamps' own light.
 OWN = -1
