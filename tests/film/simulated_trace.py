@@ -12,7 +12,10 @@ RADII = (0.7e-3, 2e-3, 2.5e-3, 5e-3, 12.5e-3)
 
 @dataclass(frozen=True)
 class Simulated:
-    """A trace, the curvature [1/mm] of its coupon, and the mean fill of the grooves it crosses."""
+    """A trace, and the curvature [1/mm] and the mean fill of its coupon.
+
+    A trace crosses some grooves of the coupon: their mean fill is not what an interval is of.
+    """
 
     trace: StylusTrace
     curvature: float
@@ -47,10 +50,10 @@ def simulate(seed, *, off=0.03, marks=0.04, waves=0.4e-3, spikes=0.003, noise=4e
     z += rng.normal(0, noise, len(at)) + _correlated(rng, len(at)) * noise
     hit = rng.random(len(at)) < spikes
     z[hit] += rng.choice([-1, 1], hit.sum()) * rng.uniform(5e-4, 5e-3, hit.sum())
-    seen = each[number[at[0]] : number[at[-1]] + 1]
-    whole = seen[1:-1] if len(seen) > 4 else seen
     trace = StylusTrace(x[at] + 2.0, z, "t.csv", tip)
-    return Simulated(trace, float(mean), float(np.mean(groove.fill_fraction(whole))))
+    turn = np.cos(np.linspace(0.0, 2 * np.pi, 720, endpoint=False))
+    coupon = np.minimum(mean * (1 + marks * turn), groove.curvature_empty)
+    return Simulated(trace, float(mean), float(np.mean(groove.fill_fraction(coupon))))
 
 
 def _correlated(rng, count):
