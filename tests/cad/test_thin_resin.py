@@ -78,6 +78,17 @@ def test_every_kind_tells(make_film):
     assert "2 of 4 places" in told(library)
 
 
+def test_cells_without_their_thin_resin_pass_their_gates(make_film, tmp_path):
+    """STEP and STL failed for the resin that they leave out."""
+    kind = kind_of(
+        CellFilm(make_film(60.0).groove, 0.2, "pyramid", "filled", 79.9, (2, 3)), CadTable()
+    )
+    for name in ("film.step", "film.stl"):
+        kind.write(tmp_path / name, "film")
+        check = kind.check(tmp_path / name)
+        assert {gate.outcome for gate in check.gates} == {"PASS"}
+
+
 def test_cad_says_it(tmp_path, capsys):
     (tmp_path / "small.toml").write_text(
         'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 20.0\npanel_length_mm = 5.0\n'

@@ -1,5 +1,6 @@
 """Cells in both directions: pyramids or dishes, one body of patches."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,12 +44,12 @@ class Cells(Kind):
     def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step.body import check_film_body
 
-        return check_film_body(path, self.film)
+        return check_film_body(path, self._drawn)
 
     def check_mesh(self, path: Path) -> MeshCheck:
         from mpfcad.cad.check.cell import check_cell_stl
 
-        return check_cell_stl(path, self.film, self.angle)
+        return check_cell_stl(path, self._drawn, self.angle)
 
     def compare(self, step: Path, stl: Path, volume: float) -> Agreement:
         from mpfcad.cad import check_agreement
@@ -57,13 +58,27 @@ class Cells(Kind):
         return check_agreement(step, stl, volume, VOLUME_LIMIT)
 
     def left_out(self) -> str | None:
+        thin = np.full(self.film.count, self._is_thin)
+        words = thinnest_words(self.film.groove, self._sliver)
+        return left_out_words(thin, self._sliver, "cells", words)
+
+    @property
+    def _sliver(self) -> float:
         from mpfcad.cad.step.outline import drawn_sliver
 
-        film, sliver = self.film, drawn_sliver(max(self.film.size))
-        if film.profile == "ideal":
-            return None
-        thin = is_thin(film.groove, np.full(film.count, film.curvature), sliver)
-        return left_out_words(thin, sliver, "cells", thinnest_words(film.groove, sliver))
+        return drawn_sliver(max(self.film.size))
+
+    @property
+    def _is_thin(self) -> bool:
+        film = self.film
+        thin = is_thin(film.groove, np.array([film.curvature]), self._sliver)
+        return film.profile == "filled" and bool(thin[0])
+
+    @property
+    def _drawn(self) -> CellFilm:
+        """The film as its files have it: without resin that is too thin for them."""
+        film = self.film
+        return replace(film, curvature=film.groove.curvature_empty) if self._is_thin else film
 
     def distance_along(self, across: float) -> float:
         return across
