@@ -14,6 +14,7 @@ from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
 from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
+from mpfcad.pipeline.run.verify import made_files
 
 PARTICLES = {
     "particle_radius_um": 5.0,
@@ -146,3 +147,19 @@ def test_such_a_job_runs_and_is_verified_from_its_export_alone(tmp_path, monkeyp
     (out / PRISM_FILE).write_bytes(b"x")
     with pytest.raises(ExportError, match=PRISM_FILE):
         verify_export(out)
+
+
+@pytest.mark.parametrize(
+    ("tables", "seen"),
+    [
+        ({}, False),
+        ({"resin": PARTICLES}, True),
+        ({"resin": {"index": 1.49}}, True),
+        ({"resin": {"absorption_per_mm": 0.3}}, True),
+        ({"stack": {"override": {"film_roughness": 0.05}}}, True),
+    ],
+)
+def test_verify_expects_the_prisms_where_a_run_writes_them(tmp_path, tables, seen):
+    plan = read_plan(build_job(job(**tables), "a.toml"), tmp_path / "a.toml")
+    write_stack_meshes(plan, tmp_path, SILENT)
+    assert (tmp_path / PRISM_FILE).exists() == (PRISM_FILE in made_files(plan)) == seen

@@ -115,7 +115,7 @@ def _check(
         rounded += comparison.rounded
     # Of the stored record: where the last bits are another processor's, the page has them too.
     pages = draw(stored)
-    _compare_names(folder, names, {*maps, *_made_files(plan), *pages})
+    _compare_names(folder, names, {*maps, *made_files(plan), *pages})
     _compare_pages(folder, pages)
 
 
@@ -180,14 +180,14 @@ def _arrays(path: Path) -> dict[str, tuple[str, tuple[int, ...], bytes]]:
         return {name: (a.dtype.str, a.shape, a.tobytes()) for name, a in arrays.items()}
 
 
-def _made_files(plan: Plan) -> set[str]:
+def made_files(plan: Plan) -> set[str]:
     """Return the names of the files that a run makes of a plan, but for maps and pages."""
     from mpfcad.backlight import PRISM_FILE, stack_file
     from mpfcad.pipeline.kind import kind_of
     from mpfcad.pipeline.run.make import mask_names
 
     names = {VERIFICATION, *map(stack_file, plan.stack.files())}
-    if plan.stack.resin_scatters:
+    if plan.stack.needs_prism:
         names.add(PRISM_FILE)
     for film in plan.films:
         names |= {film.file("film", s) for s in kind_of(plan.drawn, plan.job.cad).run_formats}
