@@ -69,6 +69,16 @@ def test_a_full_disk_is_one_line_that_names_the_export(tmp_path, trouble):
     assert names(tmp_path) == []
 
 
+def test_a_full_disk_of_other_files_names_the_file(tmp_path):
+    other = tmp_path / "temporary" / "film.stl"
+    with pytest.raises(ExportError, match=f"^{other}: cannot be written: No space left"):  # noqa: SIM117
+        with export_folder(tmp_path / "e", "run"):
+            raise OSError(errno.ENOSPC, "No space left", str(other))
+    with pytest.raises(ExportError, match=r"/e: cannot be written: No space left"):  # noqa: SIM117
+        with export_folder(tmp_path / "e", "run") as hidden:
+            raise OSError(errno.ENOSPC, "No space left", str(hidden / "film.stl"))
+
+
 def test_another_error_of_the_system_stays_what_it_is(tmp_path):
     with pytest.raises(FileNotFoundError), export_folder(tmp_path / "e", "run"):
         (tmp_path / "none").read_bytes()

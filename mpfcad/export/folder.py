@@ -63,13 +63,21 @@ def export_folder(out: Path, kind: str) -> Iterator[Path]:
         if error.errno not in _OF_DISKS and " requested and " not in str(error):
             raise
         reason = error.strerror or f"only a part of a file was written ({error})"
-        raise ExportError(f"{out}: cannot be written: {reason}") from None
+        raise ExportError(f"{_place(error, hidden, out)}: cannot be written: {reason}") from None
     finally:
         # Ctrl-C while an older export is cleared away leaves none of it either.
         with signals_wait():
             if hidden is not None:
                 _clear(hidden[0], out)
                 _release(hidden[1])
+
+
+def _place(error: OSError, hidden: tuple[Path, FileLock] | None, out: Path) -> Path:
+    """Return what could not be written: the export, or the file elsewhere that the error names."""
+    if hidden is None or not isinstance(error.filename, str):
+        return out
+    path = Path(error.filename).resolve()
+    return out if path.is_relative_to(hidden[0]) else path
 
 
 def _begun(out: Path) -> tuple[Path, FileLock]:
