@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-#: Places over a lamp pitch, from lamp to lamp, as many as a trace has.
-PLACES = np.linspace(0, 1, 33)
+from mpfcad.measure import POINTS
+
+#: Places over a lamp pitch, from lamp to lamp.
+PLACES = np.linspace(0, 1, POINTS)
 
 
 @dataclass(frozen=True)
@@ -53,13 +55,14 @@ def look(renderer, lit, mesh, offset, paths, seed, lamps=1):
 
 def _own(lit, paths, seed):
     from mpfcad.measure.rounds import trace_lit
+    from mpfcad.optics.engine import BLOCK
     from mpfcad.optics.source import EYE, Source
     from mpfcad.pipeline.effort import available_threads
 
     source = Source(
         EYE, PLACES * lit.stack.period.across, lit.spot.width, acceptance=lit.stack.acceptance
     )
-    blocks = max(8, round(paths / (len(PLACES) * 512)))
+    blocks = max(8, round(paths / (len(PLACES) * BLOCK)))
     tally = trace_lit(lit, source, blocks, seed=seed, threads=available_threads())
     return Seen(PLACES, tally.radiance, tally.radiance_error)
 

@@ -128,7 +128,7 @@ def luminance_over_pitch(
     InputError
         when a pitch of a finite panel has no light, or none lies within the rim.
     TraceError
-        when more than 1e-6 of the paths are lost.
+        when more than 1e-6 of the light is lost.
     """
     from mpfcad.optics.source import EYE, Source
 

@@ -273,7 +273,8 @@ def in_rounds(
     TraceError
         when more than 1e-6 of the light is lost, and no gate judges it.
     """
-    inputs = {**lit.case, **meter, "seed": run.seed, "goal": goal, "limit": run.path_limit}
+    asked = {"figure": figure, "seed": run.seed, "goal": goal, "limit": run.path_limit}
+    inputs = {**lit.case, **meter, **asked}
     case = work_key("trace", inputs)
     error = float("nan")
     trail = trail or Trail(lambda tally: (error, error, error))

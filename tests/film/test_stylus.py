@@ -130,6 +130,8 @@ GOOD = np.arange(0.0, 101.0, 1.0)
         ("x,z\n1,2\n", ("1 rows", "40 or more")),
         ("x_um,z_um\n", ("row 1", "no rows of numbers")),
         ("x_um,z_um\n1,2\n2,3\n3,5\n1,a\n", ("row 5", "'1,a'", "2 numbers")),
+        ("x_um,z_um\n0,1\n1,-1e308\n2,1\n", ("row 3", "height -1e+308", "within ± 1e+15")),
+        ("x_um,z_um\n0,1\n1e30,2\n2e30,1\n", ("row 3", "position 1e+30")),
         ("x_um,z_um\n0,1\n1,2\n0.5,2\n2,1\n", ("row 4", "0.5", "not increasing", "row 3")),
         ("x_um,z_um\n" + rows(GOOD * 0.5, GOOD), ("50 µm long", "100 µm")),
         ("x_um,z_um\n" + rows(np.r_[GOOD[:50], GOOD[60:]], GOOD[:91]), ("gap of 11 µm", "row 52")),

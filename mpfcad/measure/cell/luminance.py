@@ -154,7 +154,7 @@ def cell_rounds(
         return tally.plus(part)
 
     return in_rounds(
-        lit, run, {"meter": meter, "figure": figure},
+        lit, run, {"meter": meter},
         CellTally.empty(meter, flow_count(lit.scene, 0)), add, error_of, goal, figure,
         block=BLOCK, more=lambda done: max(_LEAST_BLOCKS, done // 4),
     )  # fmt: skip

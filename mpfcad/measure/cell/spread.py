@@ -168,7 +168,7 @@ def led_spread(lit: Lit, run: TraceRun, error_goal: float) -> SpreadResult:
         )
 
     tally = in_rounds(
-        lit, run, {"meter": meter, "figure": _FIGURE}, SpreadTally.empty(lit.scene, meter), add,
+        lit, run, {"meter": meter}, SpreadTally.empty(lit.scene, meter), add,
         lambda tally: _error(_result(lit, meter, tally)), error_goal, _FIGURE, block=BLOCK,
         more=lambda done: -(-max(_LEAST_BLOCKS, done // 4) // BATCHES) * BATCHES,
     )  # fmt: skip

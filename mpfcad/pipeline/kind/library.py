@@ -109,7 +109,7 @@ class PieceGrooves(Kind):
 
         groove, sliver = self.film.groove, drawn_sliver(self.film.groove.pitch)
         thin = is_thin(groove, self.film.curvature, sliver).reshape(len(self.film.curvature), -1)
-        each = np.asarray(thin.any(axis=1))[self.film.chosen]
+        each = np.asarray(thin.all(axis=1))[self.film.chosen]
         return left_out_words(each, sliver, "places", thinnest_words(groove, sliver))
 
     @property

@@ -52,7 +52,8 @@ def run_led_design(
     """Find the map, write films, stack, map and record into `out`, and return the record.
 
     What the record states last is traced from the written files, to the half-width of `effort`.
-    The tally of each trace is kept until `out` is on the disk, so an interrupted design goes on.
+    Tallies of the search and of the last trace are kept until `out` is on the disk, so that an
+    interrupted design goes on; what tells its tolerances is kept trace by trace.
 
     Raises
     ------

@@ -38,13 +38,17 @@ class RawProfile:
     strange: str = ""
 
 
+#: Beyond this no unit makes a place on a film of a number; squares of it can be added.
+_LARGEST = 1e15
+
+
 def tidy(path: Path, raw: RawProfile) -> RawProfile:
     """Return a profile of increasing positions: gaps dropped, reversed, equal ones averaged.
 
     Raises
     ------
     InputError
-        when positions go back and forth.
+        when positions go back and forth, or a number is none of a surface.
     """
     x, z, words = raw.position, raw.height, list(raw.words)
     lines = raw.lines or list(range(1, len(x) + 1))
@@ -53,6 +57,14 @@ def tidy(path: Path, raw: RawProfile) -> RawProfile:
         words.append(f"{np.count_nonzero(~kept)} rows without a number left out")
         lines = [line for line, keep in zip(lines, kept, strict=True) if keep]
         x, z = x[kept], z[kept]
+    for name, value in (("position", x), ("height", z)):
+        beyond = np.flatnonzero(np.abs(value) > _LARGEST)
+        if beyond.size:
+            i = int(beyond[0])
+            raise InputError(
+                f"{path}: row {lines[i]}: {name} {value[i]:.10g}: "
+                f"expected a number of a surface, within ± {_LARGEST:g} in any unit"
+            )
     if len(x) > 1 and np.count_nonzero(np.diff(x) < 0) > np.count_nonzero(np.diff(x) > 0):
         x, z, lines = x[::-1], z[::-1], lines[::-1]
         words.append("x from the right, turned")
