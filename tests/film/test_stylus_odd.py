@@ -69,6 +69,15 @@ def test_numbers_are_told_with_their_places(number, words):
     assert numbers.words(0.035 + 0.050 * np.array(number) - 0.100) == words
 
 
+@pytest.mark.parametrize(
+    ("at", "words"),
+    [(0.0381, "groove 1 of 3 (x 40 … 90 µm)"), (0.191, "groove 3 of 3 (x 140 … 190 µm)")],
+)
+def test_a_sliver_at_an_end_counts_with_the_groove_beside_it(at, words):
+    numbers = GrooveNumbers(0.040, 0.050, (0.039, 0.191), 0.0)
+    assert numbers.words(np.array([at])) == words
+
+
 def test_grooves_of_two_kinds_are_refused():
     with pytest.raises(InputError, match=r"C are 30 … 58.* /mm, ± 1\d /mm from groove to groove"):
         fit_stylus_trace(traced([58.0, 30.0, 58.0, 30.0, 58.0, 30.0, 58.0, 30.0, 58.0]), BEF)

@@ -77,6 +77,20 @@ def test_without_a_tip_one_between_the_usual_ones_is_held(curvature, radius):
     assert fit.curvature.value - curvature < 3.0
 
 
+@pytest.mark.parametrize("seed", [5, 6])
+def test_without_a_tip_a_clean_trace_is_told_well(seed):
+    """A tip of 2.5 µm, kept since no shape is exact, was made up for by scale: C from 29.7 on."""
+    fine = 5e-5
+    x = np.arange(-0.02, 0.28, fine)
+    z = DilatedGroove(BEF, "filled", StylusTip(2 * um)).height(
+        (x + 0.013) % BEF.pitch - BEF.half_width, 40.0
+    )[400::5]
+    z = z + np.random.default_rng(seed).normal(0, 5e-6, len(z))
+    fit = fit_stylus_trace(StylusTrace(x[400::5], z, "t.csv", None), BEF)
+    assert fit.curvature.value == pytest.approx(40.0, abs=0.2)
+    assert 34.0 < fit.curvature.low < 40.0 < fit.curvature.high < 43.0
+
+
 @pytest.mark.parametrize("told", [3.5, None])
 def test_a_shape_that_is_not_quite_the_models_doubts_no_tip(told):
     """A power of 3.37 under 3.5 µm, noise 5 nm: only tips of 0.7 … 1.4 µm were said to fit."""

@@ -22,6 +22,7 @@ from mpfcad.film.stylus.bound.interval import (
     HIDDEN_WORDS,
     Interval,
     Scaled,
+    as_read,
     curvature_interval,
     fill_interval,
     hidden_slope,
@@ -35,7 +36,7 @@ from mpfcad.film.stylus.model import PITCH, TraceModel
 from mpfcad.film.stylus.shape import MeniscusShape, meniscus_shape
 from mpfcad.film.stylus.solve import Fitted, fit_model
 from mpfcad.film.stylus.tip import StylusTip
-from mpfcad.film.stylus.tips import fits_of_tips
+from mpfcad.film.stylus.tips import fits_of_tips, left_as_read
 from mpfcad.film.stylus.trace import StylusTrace
 from mpfcad.units import um
 
@@ -189,7 +190,10 @@ def _fit_upright(
     notes = [*tips.notes, *([odd.words] if odd else [])]
     said = check_shape(trace, best, groove, numbers)
     known = [(fit, spread_of(fit)) for fit in fits]
-    scaled = [on_stated_scale(*part, groove, fitted) for part in known]
+    scaled = [
+        as_read(*part, groove) if left else on_stated_scale(*part, groove, fitted)
+        for part, left in zip(known, left_as_read(fits), strict=True)
+    ]
     hidden = [hidden_slope(*part, tips.cones, told=not tips.notes) for part in known]
     curvature = joined([
         curvature_interval(*part, other, groove, correct=correct)

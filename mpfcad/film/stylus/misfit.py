@@ -66,7 +66,10 @@ class GrooveNumbers:
 
         Such as `grooves 2, 3 and 6 of 9 (x 51 … 151 and 251 … 301 µm)`.
         """
-        number = np.sort(np.floor((centre + self.middle - self.left) / self.pitch).astype(int))
+        count = int(np.ceil((self.ends[1] - self.left) / self.pitch - _SEEN))
+        number = np.floor((centre + self.middle - self.left) / self.pitch).astype(int)
+        # A sliver at an end of the file counts with the groove beside it.
+        number = np.unique(np.clip(number, 0, count - 1))
         runs = np.split(number, np.flatnonzero(np.diff(number) > 1) + 1)
         low, high = self.ends
         places = [
@@ -74,7 +77,6 @@ class GrooveNumbers:
             f"{min(self.left + (run[-1] + 1) * self.pitch, high) / um:.0f}"
             for run in runs
         ]
-        count = int(np.ceil((high - self.left) / self.pitch - _SEEN))
         names = [str(k + 1) for k in number]
         return (
             f"groove{'s' if len(names) > 1 else ''} {_listed(names)} of {count} "

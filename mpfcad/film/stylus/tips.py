@@ -69,7 +69,11 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
         if fits[-1].misfit > 2 * max(min(fit.misfit for fit in fits), ALIKE):
             break
     usual, above = _that_fit(fits)
-    usual = _median_first(usual)
+    beyond = left_as_read(usual)
+    usual = [
+        *_median_first([fit for fit, left in zip(usual, beyond, strict=True) if not left]),
+        *(fit for fit, left in zip(usual, beyond, strict=True) if left),
+    ]
     worn = _between(usual, above, fitted) if above else []
     fits, _ = _that_fit([*usual, *worn])
     return TipFits(fits, [f"{why}; {_tip_words(fits)}"], USUAL_ANGLES)
@@ -81,6 +85,15 @@ def _that_fit(fits: list[Fitted]) -> tuple[list[Fitted], Fitted | None]:
     kept = [fit for fit in fits if fit.misfit**2 <= _worst(best)]
     largest = max(_radius(fit) for fit in kept)
     return kept, next((fit for fit in fits if _radius(fit) > largest), None)
+
+
+def left_as_read(fits: Sequence[Fitted]) -> list[bool]:
+    """Return which fits leave more than noise allows, and count only since no shape is exact.
+
+    What such a tip draws wrongly is not made up for by another scale of the heights.
+    """
+    best = min(fit.misfit for fit in fits)
+    return [fit.misfit**2 > WORSE * best**2 for fit in fits]
 
 
 def _worst(best: Fitted) -> float:

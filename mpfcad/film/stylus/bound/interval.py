@@ -91,6 +91,12 @@ def on_stated_scale(
     return Scaled(fit, told, (low, likely, high))
 
 
+def as_read(fit: Fitted, spread: Spread, groove: Groove) -> Scaled:
+    """Return a fit that is left on the scale on which it was read."""
+    low, high = (edge / groove.wall_slope for edge in spread.slope)
+    return Scaled(fit, spread, (low, spread.likely_slope / groove.wall_slope, high))
+
+
 def slope_hidden(spread: Spread, groove: Groove) -> bool:
     """Return whether resin hides the walls, so that their slope is hardly known."""
     return (spread.slope[1] - spread.slope[0]) / groove.wall_slope > _HIDDEN
