@@ -321,15 +321,16 @@ def check_without_period(shape, contrast, sigma, count):
     points = shape(POSITION)
     high, low = points.max(), points.min()
     truth = 1 + 2 * contrast / ((high - low) - contrast * (high + low)) * points
-    held = 0
+    held = widened = 0
     for i in range(count):
         noisy = truth + sigma * truth.mean() * rng.standard_normal(POINTS)
         error = np.full(POINTS, sigma * truth.mean())
         fit = fit_curve(POSITION, noisy, error, periodic=shape is cusps)
-        assert fit.misfit < 1.5
+        widened += fit.misfit > 1
         found = contrast_of_curve(fit, i, points=POINTS)
         held += found.low <= contrast <= found.high
     assert held / count >= 0.93 - 2.5 * np.sqrt(0.93 * 0.07 / count)
+    assert widened <= 4  # noise alone widens 1 in 1000: 0.6 of 600
 
 
 @pytest.mark.parametrize(("shape", "contrast", "sigma"), SHARP)
