@@ -24,6 +24,8 @@ def test_where_the_light_goes():
 def test_what_an_input_would_change(preset):
     named = {key: influence_of(f"stack.{key}") for key in read_stack(preset).quantity}
     assert {key: words for key, words in named.items() if "lamp" in words} == {}
+    cups = {key: words for key, words in named.items() if "cup" in key and "reflect" not in key}
+    assert len(cups) == 4 and all("cups" in words for words in cups.values())
 
 
 @pytest.mark.parametrize(

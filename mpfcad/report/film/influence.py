@@ -10,6 +10,7 @@ Record = dict[str, Any]
 _SPREAD = "how far light spreads: the contrast, and a little luminance"
 _LOSS = "how much light comes back: luminance, and a little contrast"
 _BEND = "how light is bent: angular width, luminance, contrast"
+_CUP = "how cups gather the light of the LEDs: the contrast, and a little luminance"
 _START = "where light starts: the contrast"
 _ARTWORK = "how the artwork is drawn and handed over; no figure of the light"
 _HEADER = "what the files say of themselves; no figure"
@@ -24,6 +25,10 @@ _INFLUENCE = (
     ("lamp_pitch_mm", "distance of the lamps: the contrast, and the map's own scale"),
     ("pitch_across_mm", "distance of the LEDs: the contrast, and the map's own scale"),
     ("pitch_along_mm", "distance of the LEDs: the contrast, and the map's own scale"),
+    ("cup_height_mm", _CUP),
+    ("cup_radius_mm", _CUP),
+    ("rim_radius_mm", _CUP),
+    ("cup_specular_fraction", _CUP),
     ("height_mm", _START),
     ("hole_radius_mm", _LOSS),
     ("radius_mm", "size of the lamps: contrast, and the light that they absorb"),
