@@ -1,11 +1,12 @@
 """Backlights with hidden values that another renderer shows: how often a fit's intervals hold.
 
 `python benchmarks/hidden.py [--draws N] [--first K] [--renderer R] [--million M] [--json]`. Every
-value of the README's backlight is drawn from its width. Mitsuba (the extra `benchmark`; LLVM 16 or
-newer, DRJIT_LIBLLVM_PATH names it) traces the luminance over the lamps of a plain prism film, a
-uniform film and the job's film. `mpfcad fit` gets these curves and two ratios of their means; it
-has to find the values, and the contrast and luminance of a film that it was not given. Printed are
-the errors in units of the stated standard errors. About two CPU minutes a backlight.
+value of the README's backlight is drawn from its width. Mitsuba (the extra `benchmark`; LLVM 19
+serves, 16 does not, DRJIT_LIBLLVM_PATH names it) traces the luminance over the lamps of a plain
+prism film, a uniform film and the job's film. `mpfcad fit` gets these curves and two ratios of
+their means; it has to find the values, and the contrast and luminance of a film that it was not
+given. Printed are the errors in units of the stated standard errors. About two CPU minutes a
+backlight.
 """
 
 import argparse

@@ -2,7 +2,8 @@
 
     python benchmarks/led.py [--paths N] [--million N]
 
-Mitsuba comes from the extra `benchmark`, and needs LLVM 16 or newer (DRJIT_LIBLLVM_PATH names it).
+Mitsuba comes from the extra `benchmark`, and needs LLVM (19 serves, 16 does not;
+DRJIT_LIBLLVM_PATH names it).
 The films are those of masks/mini-led-4mm.toml at 2° a facet: ours are traced from their 3MF files,
 Mitsuba's are windows of the same libraries as closed meshes. One LED stands between mirrors half a
 pitch beside it, which is a lattice without end. The LED is flat and Lambertian, the reflector

@@ -6,8 +6,9 @@ Its first print is that of the job. A meter measures the print over two lamp pit
 the process, and `mpfcad correct --solids auto` writes the next job, which the same factory prints.
 Each print lies elsewhere against the lamps. About two CPU minutes a factory.
 
-With `--renderer mitsuba` (the extra `benchmark`; LLVM 16 or newer, DRJIT_LIBLLVM_PATH names it) the
-factory's light is traced by Mitsuba from the STL of the print: its points are what is measured.
+With `--renderer mitsuba` (the extra `benchmark`; LLVM 19 serves, 16 does not,
+DRJIT_LIBLLVM_PATH names it) the factory's light is traced by Mitsuba from the STL of the print:
+its points are what is measured.
 """
 
 import argparse
@@ -122,10 +123,10 @@ def lit_up(factory: Factory, scene, renderer: str, paths: float):
     return light.contrast, Seen(PLACES, light.central_curve, 0 * PLACES)
 
 
-def measure(factory: Factory, seen: Seen, pitch: float, file: Path) -> None:
+def measure(factory: Factory, seen: Seen, pitch: float, file: Path, renderer: str) -> None:
     """Write what a meter reads of a print over two lamp pitches, or of a rendering over one."""
     noise = METER * factory.rng.standard_normal(MEASURED)
-    if seen.error.any():
+    if renderer == "mitsuba":
         value = seen.luminance * (1 + noise[: len(PLACES)])
         write_seen(Seen(PLACES, value, np.hypot(seen.error, METER * value)), pitch, file)
         return
@@ -184,7 +185,7 @@ def run_factory(job: Path, seed: int, folder: Path, asked) -> dict:
                 break
             export = folder / f"export-{number}"
             run_job(read_job(job), job, export, effort="quick")
-            measure(factory, seen, pitch, folder / f"measured-{number}.csv")
+            measure(factory, seen, pitch, folder / f"measured-{number}.csv", asked.renderer)
             out = folder / f"next-{number}"
             record = correct_print(
                 export, folder / f"measured-{number}.csv", Judging(lamp=0.0), out,

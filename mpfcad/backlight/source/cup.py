@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.backlight.source.lattice import overlap
+from mpfcad.backlight.source.lattice import first_pair, overlap
 from mpfcad.backlight.source.protocol import StackValues
 from mpfcad.errors import InputError
 
@@ -75,13 +75,7 @@ def _touching(
         return overlap(led, period, (size, size))
     if size > min(period):
         return 1, 1
-    for i in range(len(led)):
-        away = led[i + 1 :, :2] - led[i, :2]
-        away -= np.round(away / period) * period
-        hit = np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) < size)
-        if len(hit):
-            return i + 1, i + 2 + int(hit[0])
-    return None
+    return first_pair(led, period, lambda away: np.hypot(away[:, 0], away[:, 1]) < size)
 
 
 def lower_cup(stack: StackValues, shape: str) -> "Cup | None":

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -95,10 +96,22 @@ def overlap(
     """Return the numbers, from 1, of two LEDs that overlap (1, 1: in two cells), or None."""
     if size[0] >= period[0] or size[1] >= period[1]:
         return 1, 1
+    return first_pair(led, period, lambda away: np.all(np.abs(away) < size, axis=1))
+
+
+def first_pair(
+    led: NDArray[np.float64],
+    period: tuple[float, float],
+    meet: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
+) -> tuple[int, int] | None:
+    """Return the numbers, from 1, of the first two LEDs that meet by their distance, or None.
+
+    `meet` tells it of distances (k, 2) [mm] to the nearest of an LED's repeats.
+    """
     for i in range(len(led)):
         away = led[i + 1 :, :2] - led[i, :2]
         away -= np.round(away / period) * period
-        hit = np.flatnonzero((np.abs(away) < np.array(size)).all(axis=1))
+        hit = np.flatnonzero(meet(away))
         if len(hit):
             return i + 1, i + 2 + int(hit[0])
     return None

@@ -69,11 +69,8 @@ def fits_of_tips(trace: StylusTrace, fitted: Fit) -> TipFits:
         if fits[-1].misfit > 2 * max(min(fit.misfit for fit in fits), ALIKE):
             break
     usual, above = _that_fit(fits)
-    beyond = left_as_read(usual)
-    usual = [
-        *_median_first([fit for fit, left in zip(usual, beyond, strict=True) if not left]),
-        *(fit for fit, left in zip(usual, beyond, strict=True) if left),
-    ]
+    told = [fit for fit, left in zip(usual, left_as_read(usual), strict=True) if not left]
+    usual = [*_median_first(told), *(fit for fit in usual if fit not in told)]
     worn = _between(usual, above, fitted) if above else []
     fits, _ = _that_fit([*usual, *worn])
     return TipFits(fits, [f"{why}; {_tip_words(fits)}"], USUAL_ANGLES)

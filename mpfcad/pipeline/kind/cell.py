@@ -11,7 +11,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import CellFilm, Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import Kind, Print, step_header
-from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words
 from mpfcad.pipeline.kind.words import size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
@@ -59,8 +59,7 @@ class Cells(Kind):
 
     def left_out(self) -> str | None:
         thin = np.full(self.film.count, self._is_thin)
-        words = thinnest_words(self.film.groove, self._sliver)
-        return left_out_words(thin, self._sliver, "cells", words)
+        return left_out_words(thin, self._sliver, "cells", self.film.groove)
 
     @property
     def _sliver(self) -> float:

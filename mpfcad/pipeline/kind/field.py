@@ -12,7 +12,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import FieldPiece, Imperfection, MadeFilm, PanelFilm, PrismFilm
 from mpfcad.pipeline.kind.base import FULL, Kind, Print, Reprint, step_header
-from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.field import refuse_single
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
@@ -63,9 +63,9 @@ class FieldGrooves(Kind):
         if film.profile == "ideal":
             return None
         thin = is_thin(film.groove, film.curvature, sliver)
-        detail = thinnest_words(film.groove, sliver)
         # Patches end exactly where the resin does.
-        return left_out_words(thin, sliver, "places of the map", detail, "meshes, not the STEP,")
+        files = "meshes, not the STEP,"
+        return left_out_words(thin, sliver, "places of the map", film.groove, files)
 
     def check_step(self, path: Path) -> StepCheck:
         from mpfcad.cad.check.step.body import check_film_body

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.film import Imperfection, MadeFilm, PrismFilm
 from mpfcad.pipeline.kind.base import FULL, Check, Kind, Print, Reprint, step_header
-from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 
@@ -72,7 +72,7 @@ class Grooves(Kind):
         if film.profile == "ideal":
             return None
         thin = is_thin(film.groove, film.curvature, sliver)
-        return left_out_words(thin, sliver, "grooves", thinnest_words(film.groove, sliver))
+        return left_out_words(thin, sliver, "grooves", film.groove)
 
     def tile(self, first: int, count: int) -> Kind:
         return type(self)(self.film.cut(first, count, self.film.size[1]), self.table)

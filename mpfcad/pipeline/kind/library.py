@@ -10,7 +10,7 @@ from mpfcad.cad import Agreement, MeshCheck, StepCheck
 from mpfcad.errors import InputError
 from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PieceLibrary, PrismFilm
 from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
-from mpfcad.pipeline.kind.thin import is_thin, left_out_words, thinnest_words
+from mpfcad.pipeline.kind.thin import is_thin, left_out_words
 from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
@@ -110,7 +110,7 @@ class PieceGrooves(Kind):
         groove, sliver = self.film.groove, drawn_sliver(self.film.groove.pitch)
         thin = is_thin(groove, self.film.curvature, sliver).reshape(len(self.film.curvature), -1)
         each = np.asarray(thin.all(axis=1))[self.film.chosen]
-        return left_out_words(each, sliver, "places", thinnest_words(groove, sliver))
+        return left_out_words(each, sliver, "places", groove)
 
     @property
     def wanted(self) -> NDArray[np.float64]:

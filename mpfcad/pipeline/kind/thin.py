@@ -18,22 +18,29 @@ def is_thin(groove: Groove, curvature: NDArray[np.float64], sliver: float) -> ND
     return thin
 
 
-def thinnest_words(groove: Groove, sliver: float) -> str:
+def _thinnest_words(groove: Groove, sliver: float) -> str:
     """Return how thin, and of what C, the thinnest parabola through the tips is that is drawn."""
     most = 2 * groove.wall_slope / (groove.half_width + sliver)
     return f"thinner than {groove.vertex_height(most) / um:.2g} µm, C above {most:.4g} /mm"
 
 
 def left_out_words(
-    thin: NDArray[np.bool_], sliver: float, what: str, detail: str = "", files: str = ""
+    thin: NDArray[np.bool_],
+    sliver: float,
+    what: str,
+    groove: Groove | None = None,
+    files: str = "solids and meshes",
 ) -> str | None:
-    """Return what the files leave out of the grooves or places that are `thin`; None: nothing."""
+    """Return what files leave out of the grooves or places that are `thin`; None: nothing.
+
+    `groove`: whose parabolas through the tips they are, if they are.
+    """
     number = int(np.count_nonzero(thin))
     if not number:
         return None
     width = f"resin narrower than {2 * sliver / um:.3g} µm"
-    width += f" ({detail})" if detail else ""
+    width += f" ({_thinnest_words(groove, sliver)})" if groove else ""
     return (
-        f"{files or 'solids and meshes'} leave out {width}, so that a trace has none: "
+        f"{files} leave out {width}, so that a trace has none: "
         f"{number} of {thin.size} {what} hold no more"
     )
