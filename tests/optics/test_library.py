@@ -20,6 +20,9 @@ from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.optics.source import EYE, Source
 
 _PLACE = 'transform="1 0 0 0 1 0 0 0 1 {}"'
+#: As the production extension states an item whose object stands in a part of its own.
+_PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+_ELSEWHERE = f'xmlns:p="{_PRODUCTION}" p:path="/3D/3dmodel.model"'
 GROOVE = Groove(0.05, 0.025)
 EYES = Source(
     EYE, [0.02, 0.05, 0.07], 0.1, tilt_x=[0.0, 0.3, -0.6], tilt_y=[0.0, 0.5, 0.2],
@@ -141,6 +144,9 @@ def test_rounding_keeps_means_and_mirror_images():
         (_PLACE.format("0 0 0"), _PLACE.format("0 0 1"), "turned or lifted"),
         (_PLACE.format("0 0 0"), _PLACE.format("0.05 0 0"), "each place"),
         ('unit="millimeter"', 'unit="inch"', "expected millimetres"),
+        (_PLACE.format("0 0 0"), _PLACE.format("nan 0 0"), "3MF"),
+        (_PLACE.format("0 0 0"), _PLACE.format("0 0"), "3MF"),
+        (_PLACE.format("0 0 0"), _ELSEWHERE, "item in another part"),
     ],
 )  # fmt: skip
 def test_files_that_are_no_library(tmp_path, old, new, words):

@@ -81,7 +81,7 @@ def read_pieces(path: Path) -> PlacedPieces:
     items, number, place = model.GetBuildItems(), [], []
     while items.MoveNext():
         item = items.GetCurrent()
-        number.append(int(item.GetObjectResource().GetResourceID()))
+        number.append(int(item.GetObjectResourceID()))
         place.append(_shift(path, item))
     return PlacedPieces(point, facet, open_piece, np.array(number), np.array(place).reshape(-1, 2))
 

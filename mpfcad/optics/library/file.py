@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.optics.library.instance import Instances, read_instances
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 
@@ -41,13 +42,16 @@ def read_library(path: Path) -> Library | CellTops:
     InputError
         when a mesh is no such piece, or the places do not cover a rectangle once.
     """
-    meshes, items = _items(path)
+    meshes = _meshes(path)
+    found = _instances(path, meshes)
+    # Pieces that no instance uses are none of the film.
+    meshes = {number: meshes[number] for number in np.unique(found.number).tolist()}
     where = {identity: f"{path}: 3MF object {identity}" for identity in meshes}
     sizes = np.array([_size(where[identity], point) for identity, (point, _) in meshes.items()])
     if np.ptp(sizes, axis=0).max() > _ROOM:
         raise InputError(f"{path}: 3MF: pieces of {sizes.min(0)} … {sizes.max(0)} mm: expected one")
     pitch, length = (round(float(size), 7) for size in sizes.mean(axis=0))
-    chosen = _placed(path, items, list(meshes), sizes.mean(axis=0))
+    chosen = _placed(path, found, list(meshes), sizes.mean(axis=0))
     drawn = [_section(*mesh) for mesh in meshes.values()]
     sections = tuple(section for section in drawn if section is not None)
     if len(sections) == len(drawn):
@@ -60,69 +64,61 @@ def read_library(path: Path) -> Library | CellTops:
 
 
 def _placed(
-    path: Path,
-    items: list[tuple[int, NDArray]],
-    identities: list[int],
-    size: NDArray[np.float64],
+    path: Path, found: Instances, identities: list[int], size: NDArray[np.float64]
 ) -> NDArray[np.int64]:
     """Return the piece at each place of the grid, (n, m)."""
-    number = {identity: place for place, identity in enumerate(identities)}
-    placed = np.array([[*shift, number[identity]] for identity, shift in items])
-    place = placed[:, :2] / size
+    place = found.transform[:, 3, :2] / size
     grid = np.round(place - place.min(axis=0)).astype(np.int64)
     off = float((np.abs(place - place.min(axis=0) - grid) * size).max())
     shape = tuple(int(n) for n in grid.max(axis=0) + 1)
-    if off > _ROOM or len(np.unique(grid, axis=0)) != len(items) or len(items) != np.prod(shape):
+    count = len(grid)
+    if off > _ROOM or len(np.unique(grid, axis=0)) != count or count != np.prod(shape):
         raise InputError(
-            f"{path}: 3MF: {len(items)} instances, up to {off:.2g} mm off a grid of {shape[0]} × "
+            f"{path}: 3MF: {count} instances, up to {off:.2g} mm off a grid of {shape[0]} × "
             f"{shape[1]}: expected one at each place"
         )
     chosen = np.zeros(shape, np.int64)
-    chosen[grid[:, 0], grid[:, 1]] = placed[:, 2].astype(np.int64)
+    chosen[grid[:, 0], grid[:, 1]] = np.searchsorted(identities, found.number)
     return chosen
 
 
-def _items(path: Path) -> tuple[dict[int, tuple[NDArray, NDArray]], list[tuple[int, NDArray]]]:
-    """Return mesh objects by number, and (number, (x, y) [mm]) of each item."""
+def _meshes(path: Path) -> dict[int, tuple[NDArray, NDArray]]:
+    """Return the mesh objects by the file's own numbers."""
     import lib3mf
 
-    meshes: dict[int, tuple[NDArray, NDArray]] = {}
-    placed: list[tuple[int, NDArray]] = []
     model = lib3mf.Wrapper().CreateModel()
     try:
         model.QueryReader("3mf").ReadFromFile(str(path))
         if model.GetUnit().name != "MilliMeter":
             raise InputError(f"{path}: 3MF: unit {model.GetUnit().name}: expected millimetres")
-        items = model.GetBuildItems()
-        while items.MoveNext():
-            item = items.GetCurrent()
-            # Of each instance only its number: a mesh is looked up once.
-            identity = int(item.GetObjectResourceID())
-            if identity not in meshes:
-                thing = item.GetObjectResource()
-                if not thing.IsMeshObject():
-                    raise InputError(f"{path}: 3MF: an assembly: expected pieces as meshes")
-                meshes[identity] = _mesh(thing)
-            placed.append((identity, _shift(path, item)))
+        found = model.GetMeshObjects()
+        meshes = {}
+        while found.MoveNext():
+            thing = found.GetCurrentMeshObject()
+            meshes[int(thing.GetModelResourceID())] = _mesh(thing)
     except lib3mf.ELib3MFException as error:
         raise InputError(f"{path}: lib3mf cannot read this 3MF: {error}") from None
-    return meshes, placed
+    return meshes
+
+
+def _instances(path: Path, meshes: dict[int, Any]) -> Instances:
+    """Return the instances of a file's meshes, each moved alone."""
+    found = read_instances(path)
+    strange = set(found.number.tolist()) - set(meshes)
+    if strange:
+        raise InputError(
+            f"{path}: 3MF object {min(strange)}: an assembly: expected pieces as meshes"
+        )
+    upright = np.abs(found.transform[:, :3] - np.eye(3)).max() <= 1e-6
+    level = np.abs(found.transform[:, 3, 2]).max() <= _ROOM
+    if not (upright and level and np.isfinite(found.transform).all()):
+        raise InputError(f"{path}: 3MF: an instance is turned or lifted: expected it moved alone")
+    return found
 
 
 def _mesh(thing: Any) -> tuple[NDArray, NDArray]:
     point = np.array([tuple(p.Coordinates) for p in thing.GetVertices()], float)
     return point, np.array([tuple(t.Indices) for t in thing.GetTriangleIndices()], np.int64)
-
-
-def _shift(path: Path, item: Any) -> NDArray[np.float64]:
-    if not item.HasObjectTransform():
-        return np.zeros(2)
-    table = np.array([list(row) for row in item.GetObjectTransform().Fields], float)
-    if table.shape != (4, 3):
-        table = table.T
-    if np.abs(table[:3] - np.eye(3)).max() > 1e-6 or abs(table[3, 2]) > _ROOM:
-        raise InputError(f"{path}: 3MF: an instance is turned or lifted: expected it moved alone")
-    return table[3, :2]
 
 
 def _size(where: str, point: NDArray[np.float64]) -> NDArray[np.float64]:
