@@ -93,9 +93,8 @@ def main() -> None:
             away = (other - value) / np.hypot(error, noise)
             squares += away**2
             ratio = cpu * noise**2 / (own * error**2)
-            print(
-                f"{place}  {value:.0f}  {error:.0f}  {other:.0f}  {noise:.0f}  {away:+.2f}  {ratio:.1f}"
-            )
+            both = f"{value:.0f}  {error:.0f}  {other:.0f}  {noise:.0f}"
+            print(f"{place}  {both}  {away:+.2f}  {ratio:.1f}")
         print(f"chi2 {squares:.1f} of {len(PLACES)}; Mitsuba: {total:.0f} CPU s")
 
 
