@@ -4,6 +4,7 @@ The table holds what data sheets and a ruler give without a measurement of one's
 `sigma` or `range` in the stack's file or the job has its own; `sigma = 0` says that it is exact.
 """
 
+import math
 from typing import NamedTuple
 
 from mpfcad.backlight.quantity import find_range
@@ -18,37 +19,62 @@ class Width(NamedTuple):
 
 
 class _Kind(NamedTuple):
-    size: float
-    is_relative: bool
+    """A size in the value's unit, a share of the value, or the smaller one of both."""
+
     reason: str
+    size: float = math.inf
+    share: float = math.inf
+
+    def of(self, value: float) -> Width:
+        """Return the width of a value; what is not there (0) is exact by its share."""
+        return Width(min(self.size, self.share * abs(value)), self.reason)
 
 
-_INDEX = _Kind(0.01, False, "an index from a data sheet, not at the lamps' spectrum")
-_GAUGE = _Kind(0.3, False, "a cavity as built, frame and bow")
-_SHEET = _Kind(0.08, True, "haze of a data sheet")
-_PASS = _Kind(0.01, False, "transmission of a data sheet")
+_INDEX = _Kind("an index from a data sheet, not at the lamps' spectrum", 0.01)
+_PLATE = _Kind("a plate's tolerance, at most a tenth of a thin one", 0.1, 0.1)
+_SHEET = _Kind("haze of a data sheet", share=0.08)
+_PASS = _Kind("transmission of a data sheet", 0.01)
+_WHITE = _Kind("reflectance of a data sheet", 0.01)
+_PACKAGE = _Kind("an LED's package as drawn, at most a tenth of a chip", 0.1, 0.1)
+_CUP = _Kind("a punched or formed sheet, at most a tenth of a small cup", 0.1, 0.1)
+_BEAM = _Kind("an angle of a data sheet, bin and mounting", 3.0)
 #: By the end of the name; the first that fits. Numbers in none of them are exact: counts, pitches,
-#: the panel and the meter; luminances, which change no contrast.
+#: the panel and the meter; luminances and the LEDs' mean flux, which change no contrast; spreads of
+#: flux and place, which are widths themselves.
 WIDTHS: tuple[tuple[str, _Kind], ...] = (
-    ("lamp_height_mm", _GAUGE),
-    ("lamp_radius_mm", _Kind(0.05, False, "a tube's tolerance")),
-    ("lamp_reflectance", _Kind(0.05, False, "a phosphor's diffuse reflectance, rarely stated")),
-    ("plate_thickness_mm", _Kind(0.1, False, "a plate's tolerance")),
-    ("thickness_mm", _GAUGE),
-    ("reflector_reflectance", _Kind(0.01, False, "reflectance of a data sheet")),
-    ("wall_reflectance", _Kind(0.01, False, "reflectance of a data sheet")),
-    ("specular_fraction", _Kind(0.1, False, "share of the mirrored light, rarely stated")),
-    ("scattering_per_mm", _Kind(0.1, True, "fitted to a haze")),
-    ("asymmetry", _Kind(0.02, False, "fitted to a haze")),
-    ("absorptance", _Kind(0.1, True, "spectrum of a data sheet")),
-    (".yield", _Kind(0.05, False, "quantum yield of a data sheet")),
-    ("absorption_per_mm", _Kind(0.3, True, "too small for a data sheet")),
-    ("roughness", _Kind(0.3, True, "a facet's slope, rarely measured")),
+    ("lamp_height_mm", _Kind("a cavity as built, frame and bow", 0.3)),
+    ("lamp_radius_mm", _Kind("a tube's tolerance", 0.05)),
+    ("lamp_reflectance", _Kind("a phosphor's diffuse reflectance, rarely stated", 0.05)),
+    ("led_half_angle_deg", _BEAM),
+    ("led_peak_angle_deg", _BEAM),
+    ("led_width_mm", _PACKAGE),
+    ("led_length_mm", _PACKAGE),
+    ("led_height_mm", _Kind("a package and its solder, at most a fifth of a chip", 0.1, 0.2)),
+    ("led_reflectance", _Kind("package, phosphor and pads together, rarely stated", 0.05)),
+    ("led_hole_radius_mm", _Kind("a punched hole and its place, at most a tenth", 0.1, 0.1)),
+    ("led_hole_reflectance", _Kind("a solder mask, white to yellow", 0.03)),
+    ("led_cup_height_mm", _CUP),
+    ("led_cup_radius_mm", _CUP),
+    ("led_cup_rim_radius_mm", _CUP),
+    ("led_cup_reflectance", _WHITE),
+    ("plate_thickness_mm", _PLATE),
+    (".thickness_mm", _PLATE),
+    # Frame and bow grow with the cavity: a module of 1.4 mm holds its distance by spacers.
+    ("thickness_mm", _Kind("a cavity as built, at most 5 % of a thin one", 0.3, 0.05)),
+    ("reflector_reflectance", _WHITE),
+    ("wall_reflectance", _WHITE),
+    ("specular_fraction", _Kind("share of the mirrored light, rarely stated", 0.1)),
+    ("scattering_per_mm", _Kind("fitted to a haze", share=0.1)),
+    ("asymmetry", _Kind("fitted to a haze", 0.02)),
+    ("absorptance", _Kind("spectrum of a data sheet", share=0.1)),
+    (".yield", _Kind("quantum yield of a data sheet", 0.05)),
+    ("absorption_per_mm", _Kind("too small for a data sheet", share=0.3)),
+    ("roughness", _Kind("a facet's slope, rarely measured", share=0.3)),
     ("sheet_sigma", _SHEET),
     (".sigma", _SHEET),
     (".sigma_across", _SHEET),
     (".wide_sigma", _SHEET),
-    (".wide_share", _Kind(0.3, True, "share of a lobe, rarely stated")),
+    (".wide_share", _Kind("share of a lobe, rarely stated", share=0.3)),
     ("sheet_transmission", _PASS),
     (".transmission", _PASS),
     ("index", _INDEX),
@@ -62,8 +88,7 @@ def width_of(stack: Stack, name: str) -> Width:
         return Width(quantity.sigma, "stated")
     for end, kind in WIDTHS:
         if name.endswith(end):
-            size = kind.size * abs(quantity.value) if kind.is_relative else kind.size
-            return Width(size, kind.reason)
+            return kind.of(quantity.value)
     return Width(0.0, "exact")
 
 

@@ -22,6 +22,47 @@ def test_numbers_have_the_width_of_their_kind():
         assert sizes[exact] == 0
 
 
+def test_what_leds_are_has_a_width_and_what_is_not_there_has_none(tmp_path):
+    stack = read_stack("led-automotive-6mm")
+    sizes = {name: width_of(stack, name).sigma for name in stack.quantity}
+    assert sizes["led_half_angle_deg"] == 3.0 and sizes["led_reflectance"] == 0.05
+    assert sizes["led_width_mm"] == sizes["led_length_mm"] == sizes["led_height_mm"] == 0.1
+    assert sizes["thickness_mm"] == pytest.approx(0.3)
+    for exact in (
+        "led_hole_radius_mm", "led_cup_height_mm", "led_flux_lm", "led_pitch_across_mm",
+        "led_flux_spread", "led_position_error_mm",
+    ):  # fmt: skip
+        assert sizes[exact] == 0
+    file = tmp_path / "cups.toml"
+    file.write_text(
+        'extends = "led-automotive-6mm"\n[source]\nkind = "leds"\ncup = "square"\n'
+        "[value]\nled_cup_height_mm = 3.0\nled_cup_radius_mm = 2.0\nled_hole_radius_mm = 0.5\n"
+        "led_peak_angle_deg = 70.0\n"
+    )
+    stack = read_stack(file)
+    sizes = {name: width_of(stack, name).sigma for name in stack.quantity}
+    assert sizes["led_cup_height_mm"] == sizes["led_cup_rim_radius_mm"] == 0.1
+    assert sizes["led_cup_reflectance"] == 0.01 and sizes["led_hole_reflectance"] == 0.03
+    assert sizes["led_hole_radius_mm"] == 0.05 and sizes["led_peak_angle_deg"] == 3.0
+
+
+def test_a_thin_module_is_known_better_than_a_cavity():
+    stack = read_stack("mini-led-4mm")
+    sizes = {name: width_of(stack, name).sigma for name in stack.quantity}
+    assert sizes["thickness_mm"] == pytest.approx(0.07)
+    assert sizes["plate_thickness_mm"] == pytest.approx(0.05)
+    assert sizes["led_width_mm"] == sizes["led_height_mm"] == pytest.approx(0.02)
+
+
+def test_a_plate_with_its_own_thickness_is_no_cavity(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'extends = "thesis-32in-mpf"\n'
+        'layers = [{kind = "plate", name = "lid", thickness_mm = 2.0}, "film"]\n'
+    )
+    assert width_of(read_stack(file), "lid.thickness_mm").sigma == 0.1
+
+
 def test_a_stated_width_and_a_range_stand_above_it():
     change = {
         "film_index": {"value": 1.55, "sigma": 0.002},
