@@ -1,6 +1,6 @@
 """One LED scene in Mitsuba: the crossed printed films of a job, luminance at several places.
 
-    python benchmarks/led.py [--paths N] [--million N]
+    python benchmarks/led.py [--own] [--paths N] [--million N]
 
 Mitsuba comes from the extra `benchmark`, and needs LLVM (19 serves, 16 does not;
 DRJIT_LIBLLVM_PATH names it).
@@ -34,15 +34,17 @@ OVERRIDE = {
     "led_pitch_across_mm": 1.0, "led_pitch_along_mm": 1.0, "led_width_mm": 0.5,
     "led_length_mm": 0.5, "led_height_mm": 0.0, "thickness_mm": 0.4, "plate_thickness_mm": 0.15,
 }  # fmt: skip
+#: Of the job's own board: its LED flat on the reflector, as in the other scene.
+FLAT = {"led_height_mm": 0.0}
 JOB = Path(__file__).parent.parent / "masks" / "mini-led-4mm.toml"
 
 
-def films(folder: Path):
+def films(folder: Path, override: dict[str, float]):
     """Write both films of the job and return the plan and a window of 2 × 2 cells of each."""
     job = read_job(JOB)
     update = {
         "cad": job.cad.model_copy(update={"angle_tolerance_deg": 2.0}),
-        "stack": job.stack.model_copy(update={"override": OVERRIDE}),
+        "stack": job.stack.model_copy(update={"override": override}),
     }
     plan = read_plan(job.model_copy(update=update), JOB)
     write_cad(plan, folder, ("3mf",), SILENT)
@@ -73,12 +75,13 @@ def ours(plan, folder: Path, paths: int):
 def main() -> None:
     """Print the table."""
     options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--own", action="store_true", help="the job's own board, of 4 mm")
     options.add_argument("--million", type=float, default=8.0, help="our paths")
     options.add_argument("--paths", type=int, default=1_000_000, help="Mitsuba's at each place")
     chosen = options.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        plan, windows = films(folder)
+        plan, windows = films(folder, FLAT if chosen.own else OVERRIDE)
         ours(plan, folder, 1)  # compiles
         (rows, elements), own = spent(ours, plan, folder, round(chosen.million * 1e6))
         print(f"ours, all places at once: {own:.0f} CPU s")

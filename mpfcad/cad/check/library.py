@@ -1,18 +1,18 @@
-"""Read a library of groove pieces or cells, a 3MF of instances, back with lib3mf; compare it."""
+"""Read a library of pieces or cells, a 3MF of instances, back with lib3mf and expat; compare it."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary.threemf import Instances, read_instances
 from mpfcad.cad.check.cell import check_cell
 from mpfcad.cad.check.mesh_check import refuse_above
 from mpfcad.cad.check.mesh_file_check import BodyCheck, body_volume, check_volume, merged_height
 from mpfcad.cad.check.threemf import read_model
 from mpfcad.cad.file.library import piece_name
-from mpfcad.errors import ExportError
+from mpfcad.errors import ExportError, InputError
 from mpfcad.film import CellLibrary, PieceLibrary, PrismFilm
 
 #: A corner may be off the surface by so many steps of float32, in x and z.
@@ -73,27 +73,27 @@ def read_pieces(path: Path) -> PlacedPieces:
     meshes = model.GetMeshObjects()
     while meshes.MoveNext():
         mesh = meshes.GetCurrentMeshObject()
-        identity = int(mesh.GetResourceID())
+        identity = int(mesh.GetModelResourceID())
         point[identity] = np.array([tuple(p.Coordinates) for p in mesh.GetVertices()], np.float64)
         facet[identity] = np.array([tuple(t.Indices) for t in mesh.GetTriangleIndices()], np.int64)
         if not mesh.IsManifoldAndOriented():
             open_piece = identity
-    items, number, place = model.GetBuildItems(), [], []
-    while items.MoveNext():
-        item = items.GetCurrent()
-        number.append(int(item.GetObjectResourceID()))
-        place.append(_shift(path, item))
-    return PlacedPieces(point, facet, open_piece, np.array(number), np.array(place).reshape(-1, 2))
+    items = _instances(path)
+    if len(items.number) != int(model.GetBuildItems().Count()):
+        raise ExportError(f"{path.name}: lib3mf finds other items to build: expected the same")
+    return PlacedPieces(point, facet, open_piece, items.number, items.transform[:, 3, :2])
 
 
-def _shift(path: Path, item: Any) -> NDArray[np.float64]:
-    """Return (x, y) [mm] by which an instance is moved."""
-    if not item.HasObjectTransform():
-        return np.zeros(2)
-    table = np.array([list(row) for row in item.GetObjectTransform().Fields], np.float64)
-    if not np.array_equal(table[:3], np.eye(3)) or table[3, 2] != 0:
+def _instances(path: Path) -> Instances:
+    """Return the items to build, each moved alone."""
+    try:
+        found = read_instances(path)
+    except InputError as error:
+        raise ExportError(str(error)) from error
+    upright = np.array_equal(found.transform[:, :3], np.tile(np.eye(3), (len(found.number), 1, 1)))
+    if not upright or found.transform[:, 3, 2].any():
         raise ExportError(f"{path.name}: an instance is turned or lifted: expected it moved alone")
-    return table[3, :2]
+    return found
 
 
 def check_library(path: Path, library: PieceLibrary | CellLibrary) -> LibraryCheck:

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.boundary.threemf import Instances, read_instances
 from mpfcad.errors import InputError
-from mpfcad.optics.library.instance import Instances, read_instances
 from mpfcad.optics.library.piece import Library
 from mpfcad.optics.library.top import CellTops
 
