@@ -188,6 +188,7 @@ def test_the_page_of_a_design_for_leds_shows_each_of_its_films(pieces, tmp_path)
         "mould": {"lamp_mura_contrast": 0.0098},
         "printing": {"words": "no mesh prints it"},
         "range": None,
+        "pilot": None,
         "bears": [
             {
                 "departure": {"crossed_shift_x_mm": 0.16},

@@ -10,8 +10,9 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json
 from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import read_led_design
-from mpfcad.pipeline.led.design import job_tables, read_led_stack, run_led_design
+from mpfcad.pipeline.led.design import read_led_stack, run_led_design
 from mpfcad.pipeline.led.goal import GoalSearch, boards_of
+from mpfcad.pipeline.led.job import job_tables
 from mpfcad.pipeline.led.screen import describe_screen, find_screen, printed_tables
 from mpfcad.pipeline.led.search import LedSearch
 from mpfcad.pipeline.led.tried import Tried
@@ -79,7 +80,8 @@ def test_the_hardest_board_that_serves_is_found_with_few_searches(tmp_path, monk
                     value = 0.017 if thickness >= limit and coefficient[1:].any() else 0.05
                     low, high = value - 0.004, value + 0.004
 
-            search.tried.append(Tried(chosen, Found(), answer(chosen)))
+            harmonic = answer(chosen)
+            search.tried.append(Tried(chosen, Found(), harmonic, 0 * harmonic))
             return search.tried[-1]
 
         monkeypatch.setattr(search, "_try", attempt)
@@ -104,16 +106,17 @@ def test_a_screen_is_found_by_its_solids(tmp_path):
     tables = job_tables(one, CurvatureSeries(np.array([[73.0, 2.0], [1.0, 0.0]])))
     best = find_screen(one, file, tables, np.array([70.0, 76.0]))
     assert best is not None and best.margin >= 1 and 0.02 <= best.solids_fraction <= 0.3
-    assert describe_screen(best)["prints"]
-    canonical_json(describe_screen(best))  # every number is one
+    assert describe_screen(one, best)["prints"]
+    canonical_json(describe_screen(one, best))  # every number is one
     printed = printed_tables(one, tables, best)
     assert printed["process"]["solids_fraction"] == best.solids_fraction
     assert printed["mask"]["mesh"] == {"name": "150-31"}
     # From 0.1 to 16 % of the groove is more than a screen's ratios span.
     wide = find_screen(one, file, tables, np.array([50.0, 78.0]))
-    assert wide is None or not describe_screen(wide)["prints"]
+    assert wide is None or not describe_screen(one, wide)["prints"]
     neat = design(tmp_path, '[process]\nsolids_fraction = 1.0\n[mask]\nmesh = "150-31"\n')
-    assert not describe_screen(find_screen(neat, file, tables, np.array([72.0, 77.0])))["prints"]
+    thin = find_screen(neat, file, tables, np.array([72.0, 77.0]))
+    assert not describe_screen(neat, thin)["prints"]
 
 
 @pytest.mark.parametrize("aim", ["thinnest", "contrast"])
@@ -137,7 +140,8 @@ def test_the_page_of_a_design_shows_its_range(tmp_path, aim):
     record = {
         "name": "d", "screen": "phototool only", "found": found, "bears": [], "mould": least,
         "optical_distance_mm": 5.0, "height_over_pitch": 0.4, "model_least": least,
-        "printing": describe_screen(None), "range": ranged if aim == "thinnest" else None,
+        "printing": describe_screen(design(tmp_path), None), "pilot": None,
+        "range": ranged if aim == "thinnest" else None,
         "tried": [{"series_per_mm": [[70.0, 1.0]], "lamp_mura_contrast": estimate, "paths": 9}],
         "design": {"goal": {"contrast_target": 0.018}},
     }  # fmt: skip

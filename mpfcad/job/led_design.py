@@ -19,6 +19,9 @@ from mpfcad.job.reader import read_document, validate
 
 KIND = "leds"
 _MOST_BOARDS = 100
+#: What holds of cells unless the design says: C [1/mm] of a print and of a mould, even films of a
+#: mould [1/mm], angle of facets [°].
+_PRINTED, MOULDED, _EVEN, _ANGLE = (40.0, 80.0), (20.0, 100.0), [30.0, 50.0, 70.0], 2.0
 
 
 class LedGoalTable(Table):
@@ -49,21 +52,22 @@ class LedRangeTable(Table):
 
 
 class LedConstraintTable(Table):
-    """`[constraint]`: what the map may be, and how it is held."""
+    """`[constraint]`: what the map may be, and how it is held.
+
+    `angle_tolerance_deg`: of the files' facets; none is that of a job, of cells 2.
+    """
 
     curvature_min_per_mm: Annotated[Positive, Field(le=10_000)] = 55.0
     curvature_max_per_mm: Annotated[Positive, Field(le=10_000)] = 78.0
     harmonics: Annotated[int, Field(ge=1, le=4)] = 2
     levels: Annotated[int, Field(ge=2, le=1024)] = 64
     piece_mm: Annotated[Positive, Field(le=10)] = 0.5
+    angle_tolerance_deg: Annotated[Positive, Field(ge=0.01, le=5)] | None = None
     solids_fraction_min: Annotated[Positive, Field(le=1)] | None = None
     solids_fraction_max: Annotated[Positive, Field(le=1)] | None = None
 
     @model_validator(mode="after")
     def _order(self) -> "LedConstraintTable":
-        low, high = self.curvature_min_per_mm, self.curvature_max_per_mm
-        if low >= high:
-            raise ValueError(f"curvature_max_per_mm = {high:g}: expected above {low:g}")
         least, most = self.solids_fraction_min or 0.0, self.solids_fraction_max or 1.0
         if least > most:
             raise ValueError(f"solids_fraction_max = {most:g}: expected at least {least:g}")
@@ -83,11 +87,13 @@ class LedSearchTable(Table):
 class LedToleranceTable(Table):
     """`[tolerance]`: departures from the design whose contrast is traced; 0 leaves one out.
 
-    `shift_mm`: none is 4 % of the LEDs' smaller pitch.
+    `shift_mm`: none is 4 % of the LEDs' smaller pitch. `resin_percent` is of films that are
+    printed, `curvature_per_mm` of those that are moulded.
     """
 
     shift_mm: Annotated[float, Field(ge=0, le=100)] | None = None
     resin_percent: Annotated[float, Field(ge=0, le=50)] = 10.0
+    curvature_per_mm: Annotated[float, Field(ge=0, le=20)] = 1.0
     flux_percent: Annotated[float, Field(ge=0, le=50)] = 5.0
     half_width: Annotated[Positive, Field(le=1)] = 0.004
     paths_million: Annotated[Positive, Field(le=1000)] = 4.0
@@ -97,8 +103,9 @@ class LedDesign(Table):
     """A whole design for LEDs.
 
     `films`: 1, a printed film in the job's place; 2, one more crossed over it, in the place of the
-    stack's film that is turned by 90°, with the same curvature at the same place. `process` and
-    `mask` go into the job that is found; the search asks neither.
+    stack's film that is turned by 90°, with the same curvature at the same place. One film may have
+    `film.cell`, pyramids or dishes. `process` and `mask` go into the job that is found; the search
+    asks neither.
     """
 
     version: Literal[1] = Field(default=1, alias="schema")
@@ -129,6 +136,59 @@ class LedDesign(Table):
             if any(end != int(end) for end in ends):
                 raise ValueError("range: of numbers of LEDs: expected whole numbers")
         return self
+
+    @model_validator(mode="after")
+    def _limits(self) -> "LedDesign":
+        if self.has_cells:
+            self._refuse_of_cells()
+            low, high = _PRINTED if self.is_printed else MOULDED
+            most = min(high, self.film.groove.curvature_most(self.film.profile))
+            self._by_kind("constraint", "curvature_min_per_mm", low)
+            self._by_kind("constraint", "curvature_max_per_mm", most)
+            self._by_kind("constraint", "angle_tolerance_deg", _ANGLE)
+            if not self.is_printed:
+                self._by_kind("search", "uniform_per_mm", _EVEN)
+        low, high = self.constraint.curvature_min_per_mm, self.constraint.curvature_max_per_mm
+        if low >= high:
+            raise ValueError(f"constraint.curvature_max_per_mm = {high:g}: expected above {low:g}")
+        outside = [c for c in self.search.uniform_per_mm if not low < c < high]
+        if self.has_cells and outside:
+            raise ValueError(
+                f"search.uniform_per_mm: {outside[0]:g}: expected within the limits of C, "
+                f"{low:g} … {high:g}, and off their ends: the response is measured about it"
+            )
+        return self
+
+    def _by_kind(self, table: str, name: str, value: Any) -> None:
+        """Set a field of a table that the design does not state; it stays one that it does not."""
+        own = getattr(self, table)
+        if name not in own.model_fields_set:
+            changed = own.model_copy()
+            changed.__dict__[name] = value
+            self.__dict__[table] = changed
+
+    def _refuse_of_cells(self) -> None:
+        film, limit = self.film, self.constraint
+        words = f"film.cell {film.cell}, profile {film.profile}"
+        if self.films != 1:
+            raise ValueError(f"films = 2: {words}: expected 1: cells are patterned both ways")
+        if film.cell == "paraboloid" and film.profile != "ideal":
+            raise ValueError(f"{words}: expected 'ideal', a mould's")
+        if "piece_mm" in limit.model_fields_set:
+            raise ValueError(f"constraint.piece_mm: {words}: expected to be left out for cells")
+        solids = limit.solids_fraction_min, limit.solids_fraction_max
+        if not self.is_printed and solids != (None, None):
+            raise ValueError(f"constraint.solids_fraction: {words}: no print makes it")
+
+    @property
+    def has_cells(self) -> bool:
+        """Whether the film is pyramids or dishes."""
+        return self.film.cell != "groove"
+
+    @property
+    def is_printed(self) -> bool:
+        """Whether a mask prints the films; a mould makes the others."""
+        return self.film.profile == "filled"
 
     def document(self) -> dict[str, Any]:
         """Return the design as plain JSON values, every default written out."""

@@ -68,7 +68,7 @@ def _led(design_file: Path, out: Path | None, effort: TraceEffort, threads: Thre
 
 def _print_led(record: dict[str, Any], folder: Path) -> None:
     """Print the films that a design for LEDs has tried and found."""
-    from mpfcad.report.page.led_page import departure_words, range_lines
+    from mpfcad.report.page.led_page import departure_words, pilot_lines, range_lines
 
     for line in range_lines(record["range"]):
         print(line)
@@ -77,11 +77,16 @@ def _print_led(record: dict[str, Any], folder: Path) -> None:
         mean = one["series_per_mm"][0][0]
         print(f"tried C = {mean:.4g} /mm: {one['lamp_mura_contrast']['value']:.4f} "
               f"[{low:.4f}, {high:.4f}]")  # fmt: skip
+    for line in pilot_lines(record["pilot"]):
+        print(line)
     for film in record["films"]:
+        resin = ""
+        if film["fill_min"] is not None:
+            resin = f" fill {film['fill_min']:.2%} … {film['fill_max']:.2%},"
         print(
             f"film {film['size_mm'][0]:g} × {film['size_mm'][1]:g} mm: C "
-            f"{film['curvature_min_per_mm']:.4g} … {film['curvature_max_per_mm']:.4g} /mm, fill "
-            f"{film['fill_min']:.2%} … {film['fill_max']:.2%}, {film['pieces']} pieces"
+            f"{film['curvature_min_per_mm']:.4g} … {film['curvature_max_per_mm']:.4g} /mm,{resin} "
+            f"{film['pieces']} pieces"
         )
     found = record["found"]["lamp_mura_contrast"]
     low, high = found["ci95"]

@@ -132,8 +132,13 @@ class PieceGrooves(Kind):
         pieces = f"{len(np.unique(self.film.chosen))} pieces at {across} × {along} places"
         return size_words((*self.film.size, self.film.base + self.film.groove.depth), pieces)
 
+    @property
+    def corner(self) -> PrismFilm:
+        """The groove at the film's lower left corner; of cells, one through their valley."""
+        return self.film.piece(int(self.film.chosen[0, 0]))
+
     def as_grooves(self, piece: PrismFilm) -> MadeFilm:
-        return MadeFilm(self.film.piece(int(self.film.chosen[0, 0])), Imperfection())
+        return MadeFilm(self.corner, Imperfection())
 
     def view(self, mesh: Path) -> "go.Figure":
         from mpfcad.report.drawing.film.library_view import library_view

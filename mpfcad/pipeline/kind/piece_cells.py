@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PrismFilm
+from mpfcad.film import CellLibrary, PrismFilm
 from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.kind.words import range_words, size_words, view_text
 
@@ -66,7 +66,7 @@ class PieceCells(PieceGrooves):
         cells = f"{len(np.unique(self.film.chosen))} different cells at {across} × {along} places"
         return size_words((*self.film.size, self.film.base + self.film.groove.depth), cells)
 
-    def as_grooves(self, piece: PrismFilm) -> MadeFilm:
+    @property
+    def corner(self) -> PrismFilm:
         film, curvature = self.film, np.array([self.shown[0, 0]])
-        one = PrismFilm(film.groove, film.base, film.length, film.profile, curvature)
-        return MadeFilm(one, Imperfection())
+        return PrismFilm(film.groove, film.base, film.length, film.profile, curvature)

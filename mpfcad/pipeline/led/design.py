@@ -11,21 +11,23 @@ import numpy as np
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, refuse_foreign, write_manifest, write_text
-from mpfcad.film import CurvatureSeries, PieceLibrary
-from mpfcad.job import build_job
-from mpfcad.job.led_design import LedConstraintTable, LedDesign
+from mpfcad.film import CurvatureSeries
+from mpfcad.job.led_design import MOULDED, LedConstraintTable, LedDesign
 from mpfcad.measure import CellResult, Checkpoints, TraceRun, light_film, luminance_over_cell
 from mpfcad.pipeline.effort import NO_GOAL, TRACE_SETTINGS, available_threads
+from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.led.bound import least_contrast
 from mpfcad.pipeline.led.film import (
     CROSSED,
     FILM,
     STACK,
     check_films,
+    films_of,
     shown_films,
     write_films,
 )
 from mpfcad.pipeline.led.goal import GoalSearch, board_words, boards_of
+from mpfcad.pipeline.led.job import job_tables, write_job
 from mpfcad.pipeline.led.screen import describe_screen, find_screen, printed_tables
 from mpfcad.pipeline.led.search import LedSearch
 from mpfcad.pipeline.led.tolerance import find_tolerances
@@ -35,8 +37,6 @@ from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.record.printing import PHOTOTOOL_ONLY
 from mpfcad.store import Store
 
-#: Least C [1/mm] that a mould is taken to have.
-_MOULD_LEAST = 20.0
 RECORD, PAGE, MAP = "design.json", "design.html", "curvature-cell.npz"
 
 
@@ -111,18 +111,25 @@ class _Work:
 def _searched(work: _Work, design: LedDesign) -> tuple[LedDesign, LedSearch, dict[str, Any] | None]:
     """Return the design of the board that was chosen, its search, and what was asked of others."""
     if design.goal.aim == "contrast":
+        _check(work, design)
         search = work.search(design)
         search.run()
         return design, search, None
     file = work.design_file
     stack = read_led_stack(design, file)
     boards = boards_of(design, str(file), (stack.panel_width, stack.panel_length))
-    for board in boards:  # all are read before any is traced
-        read_led_stack(board.design, file)
+    for board in boards:
+        _check(work, board.design)
     target = design.goal.contrast_target
     goal = GoalSearch(boards, lambda board: work.search(board.design), target)
     chosen = goal.run()
     return boards[chosen].design, goal.searched[chosen], goal.describe(chosen, design.goal.aim)
+
+
+def _check(work: _Work, design: LedDesign) -> None:
+    """Refuse, before any trace, a board or films that no job makes: those tried first."""
+    even = CurvatureSeries(np.array([design.search.uniform_per_mm[:1]]))
+    films_of(design, read_led_stack(design, work.design_file), even)
 
 
 def _ship(
@@ -148,8 +155,8 @@ def _ship(
         seed = design.seed + 1
         found = _trace_shipped(work, design, folder, base, seed, effort)
         tables = job_tables(design, best.map)
-        used = np.concatenate([film.curvature[np.unique(film.chosen)] for film in films])
-        printing = find_screen(design, file, tables, used)
+        used = np.concatenate([np.unique(film.shown) for film in films])
+        printing = find_screen(design, file, tables, used) if design.is_printed else None
         tables = printed_tables(design, tables, printing)
         bears = find_tolerances(design, file, stack, tables, work.threads, progress)
         record = {
@@ -157,14 +164,15 @@ def _ship(
             "name": design.name,
             "design": design.document(),
             # The search asks no screen but by the limits of C; the job that is written does.
-            "screen": PHOTOTOOL_ONLY,
-            "printing": describe_screen(printing),
+            "screen": PHOTOTOOL_ONLY if design.is_printed else None,
+            "printing": describe_screen(design, printing),
             "range": ranged,
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.source.cell),
             "series_per_mm": best.map.coefficient.tolist(),
-            "films": [_describe_film(film) for film in films],
+            "films": [_describe_film(design, film) for film in films],
             "tried": [_describe_tried(one) for one in search.tried],
+            "pilot": None if search.pilot is None else search.pilot.document(),
             "model_least": _describe_least(design.constraint, search),
             "mould": _describe_least(_of_mould(design), search),
             "effort": effort,
@@ -194,26 +202,6 @@ def _trace_shipped(
         return work.trace(copy, seed, setting.path_limit, setting.half_width_goal)
 
 
-def write_job(
-    path: Path, design: LedDesign, design_file: Path, stack: str, tables: dict[str, Any]
-) -> None:
-    """Write the job of `tables`; a stack's file is `stack` from beside the job."""
-    import tomli_w
-
-    document = {**tables, "stack": dict(tables["stack"])}
-    if design.stack.file:
-        document["stack"]["file"] = stack
-    calibration = document.get("process", {}).get("calibration")
-    if calibration is not None:
-        document["process"] = dict(document["process"])
-        document["process"]["calibration"] = os.path.relpath(
-            design_file.parent / calibration, path.parent
-        )
-    build_job(document, str(design_file))
-    head = f"# Found by mpfcad design {design_file.name}\n# mpfcad run {path.name}\n"
-    write_text(path, head + tomli_w.dumps(document))
-
-
 def read_led_stack(design: LedDesign, design_file: Path) -> Stack:
     """Return the backlight of a design.
 
@@ -228,57 +216,43 @@ def read_led_stack(design: LedDesign, design_file: Path) -> Stack:
     return stack
 
 
-def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
-    """Return the document of the job of a map, its files as the design names them."""
-    tables = design.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return {
-        "schema": 1,
-        "name": design.name,
-        # Another than the search's: the map was chosen by that one's noise.
-        "seed": design.seed + 1,
-        "map": {"series_per_mm": found.coefficient.tolist()},
-        **({"crossed": {}} if design.films == 2 else {}),
-        **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
-        "cad": {"levels": design.constraint.levels, "piece_mm": design.constraint.piece_mm},
-        "stack": dict(tables["stack"]),
-    }
-
-
 def _distance(stack: Stack) -> float:
     """Return the optical distance [mm]: reflector to plate, and the plate over its index."""
     return stack.thickness + stack["plate_thickness_mm"] / stack["plate_index"]
 
 
-def _write_map(path: Path, film: PieceLibrary) -> None:
+def _write_map(path: Path, kind: PieceGrooves) -> None:
     """Write the film's curvatures as its file holds them, at the pieces' middles."""
-    n, m = film.chosen.shape
+    film, (n, m) = kind.film, kind.shown.shape
     arrays: dict[str, Any] = {
         "position_across_mm": (np.arange(n) + 0.5) * film.groove.pitch,
         "position_along_mm": (np.arange(m) + 0.5) * film.length,
-        "curvature_per_mm": film.curvature[film.chosen].T,
+        "curvature_per_mm": kind.shown.T,
     }
     np.savez(path, **arrays)
 
 
-def _describe_film(film: PieceLibrary) -> dict[str, Any]:
-    used = film.curvature[film.chosen]
+def _describe_film(design: LedDesign, kind: PieceGrooves) -> dict[str, Any]:
+    film, used = kind.film, kind.shown
     fill = np.asarray(film.groove.fill_fraction(used))
+    known = design.is_printed
     return {
         "size_mm": list(film.size),
         "pieces": len(np.unique(film.chosen)),
         "places": list(film.chosen.shape),
         "curvature_min_per_mm": float(used.min()),
         "curvature_max_per_mm": float(used.max()),
-        "fill_min": float(fill.min()),
-        "fill_mean": float(fill.mean()),
-        "fill_max": float(fill.max()),
+        "fill_min": float(fill.min()) if known else None,
+        "fill_mean": float(fill.mean()) if known else None,
+        "fill_max": float(fill.max()) if known else None,
     }
 
 
 def _of_mould(design: LedDesign) -> LedConstraintTable:
     """Return the limits of C that a mould has: none but those of the groove."""
-    most = design.film.groove.curvature_most(design.film.profile)
-    update = {"curvature_min_per_mm": _MOULD_LEAST, "curvature_max_per_mm": most}
+    low, high = MOULDED
+    most = min(high, design.film.groove.curvature_most(design.film.profile))
+    update = {"curvature_min_per_mm": low, "curvature_max_per_mm": most}
     return design.constraint.model_copy(update=update)
 
 

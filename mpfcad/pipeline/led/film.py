@@ -1,42 +1,46 @@
 """The films of a design for LEDs as files: 3MF libraries, and the stack that holds them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from mpfcad.backlight import Stack
 from mpfcad.backlight.layer.stated import OWN_VALUES
-from mpfcad.film import CurvatureSeries, PieceLibrary, build_library
-from mpfcad.job import CadTable
+from mpfcad.film import CurvatureSeries
+from mpfcad.job import build_job
 from mpfcad.job.led_design import LedDesign
 from mpfcad.pipeline.kind import kind_of
-from mpfcad.pipeline.plan.cell import CellFrame, crossed_layer, wanted_over
+from mpfcad.pipeline.kind.library import PieceGrooves
+from mpfcad.pipeline.led.job import job_tables
+from mpfcad.pipeline.plan.cell import crossed_layer
+from mpfcad.pipeline.plan.cell_map import read_cell_film_map
 
 if TYPE_CHECKING:
     from mpfcad.report.page.led_page import ShownFilm
 
 FILM, CROSSED, STACK = "film.3mf", "film-crossed.3mf", "stack.toml"
-#: Facets within half a degree, the standard of a job's `[cad]`.
-_CAD = CadTable()
 
 
-def library_of(design: LedDesign, field: CurvatureSeries, frame: CellFrame) -> PieceLibrary:
-    """Return the film of a map over the cells of a frame, by the film's own axes.
+def films_of(design: LedDesign, stack: Stack, field: CurvatureSeries) -> list[PieceGrooves]:
+    """Return the films of a map as its job makes them, the first one first.
 
     Raises
     ------
     InputError
-        when the cell is no whole number of grooves, or a curvature cannot be had.
+        when the job of such films is refused, or two are asked and the stack has none that is
+        turned by 90°.
     """
-    groove, size = design.film.groove, frame.size
-    wanted = wanted_over(field.at, frame, groove.pitch, design.constraint.piece_mm, design.name)
-    length = size[1] / wanted.shape[1]
-    cell = build_library(groove, design.film.base, length, wanted, design.constraint.levels)
-    return cell.repeated(frame.repeat)
+    job = build_job(job_tables(design, field), design.name)
+    found = read_cell_film_map(job, Path(design.name), stack)
+    films = [found.library(job)]
+    if found.crossed is not None:
+        crossed_layer(stack, f"{design.name}: films: 2")
+        films.append(found.crossed.library(job))
+    return [cast(PieceGrooves, kind_of(film, job.cad)) for film in films]
 
 
 def write_films(
     design: LedDesign, stack: Stack, base: str, field: CurvatureSeries, folder: Path
-) -> list[PieceLibrary]:
+) -> list[PieceGrooves]:
     """Write the films and the stack that holds them; return the films.
 
     `base` is what the stack file extends: a preset, or a file's path from `folder`.
@@ -44,21 +48,18 @@ def write_films(
     Raises
     ------
     InputError
-        when two films are asked and the stack has none that is turned by 90°.
+        as `films_of`.
     """
-    frame = CellFrame.of(stack)
-    films = [library_of(design, field, frame)]
-    kind_of(films[0], _CAD).write(folder / FILM, design.name)
-    crossed = None
-    if design.films == 2:
-        crossed = crossed_layer(stack, f"{design.name}: films: 2")
-        films.append(library_of(design, field.turned, frame.turned))
-        kind_of(films[1], _CAD).write(folder / CROSSED, f"{design.name} crossed")
+    films = films_of(design, stack, field)
+    titles = design.name, f"{design.name}-crossed"  # those of the job
+    for film, name, title in zip(films, (FILM, CROSSED), titles, strict=False):
+        film.write(folder / name, title)
+    crossed = crossed_layer(stack, design.name) if len(films) > 1 else None
     (folder / STACK).write_bytes(_stack_text(stack, base, crossed).encode())
     return films
 
 
-def check_films(films: list[PieceLibrary], folder: Path) -> None:
+def check_films(films: list[PieceGrooves], folder: Path) -> None:
     """Read the written films back and compare them with what they should hold.
 
     Raises
@@ -67,15 +68,15 @@ def check_films(films: list[PieceLibrary], folder: Path) -> None:
         when one is not the film that was found.
     """
     for film, name in zip(films, (FILM, CROSSED), strict=False):
-        kind_of(film, _CAD).check(folder / name)
+        film.check(folder / name)
 
 
-def shown_films(films: list[PieceLibrary], folder: Path) -> "list[ShownFilm]":
+def shown_films(films: list[PieceGrooves], folder: Path) -> "list[ShownFilm]":
     """Return what a page shows of the written films."""
     from mpfcad.report.page.led_page import ShownFilm
 
     return [
-        ShownFilm(kind_of(film, _CAD), folder / name, film.piece(int(film.chosen[0, 0])))
+        ShownFilm(film, folder / name, film.corner)
         for film, name in zip(films, (FILM, CROSSED), strict=False)
     ]
 

@@ -1,7 +1,8 @@
 """How thin, how sparse or with how few LEDs: the hardest of a range of boards that still serves.
 
 The model of a board is one trace of an even film in it, with the response that films have by
-experience, and the linear programme of `bound` for the best pattern: a few seconds each. It
+experience, or cells by a pilot, and the linear programme of `bound` for the best pattern: a few
+seconds each. It
 proposes a board by bisection; that one's map is searched and traced from files. What a search
 reached over what the model said corrects the model for the next proposal. The search ends when
 one board serves and the next harder one does not.
@@ -175,7 +176,7 @@ class GoalSearch:
         if number not in self.modelled:
             search = self._search(number)
             even = search.try_even(search.design.search.uniform_per_mm[-1])
-            response = search.prior_of(even)
+            response = search.response_of(even)
             least = least_contrast(search.design.constraint, even, response)
             self.modelled[number] = least.contrast
         return self.modelled[number]

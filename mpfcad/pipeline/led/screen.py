@@ -81,8 +81,10 @@ def printed_tables(
     return {**tables, "mask": mask, "process": process}
 
 
-def describe_screen(best: Proposal | None) -> dict[str, Any]:
+def describe_screen(design: LedDesign, best: Proposal | None) -> dict[str, Any]:
     """Return whether a screen prints the films, and which, in outside names."""
+    if not design.is_printed:
+        return {"prints": False, "words": "no print makes such a film: it is for a mould"}
     if best is None:
         return {"prints": False, "words": "no mesh and solids fraction holds these fills"}
     prints = best.margin >= 1

@@ -2,8 +2,9 @@
 
 A film's harmonic answers to that of the luminance over it nearly alone. Uniform films come first;
 then each harmonic of C moves by -L_ij/r_ij, r the response of ln L to C [mm], which is taken from
-the prior below and, once a harmonic has moved, from what it did. Where the limits of C forbid that
-move, the best map within them by the same linear model is next (`bound`).
+the experience below, of cells from a `pilot`, and, once a harmonic has moved, from what it did.
+Where the limits of C forbid that move, the best map within them by the same linear model is next
+(`bound`). Where the pilot's response may be none, no map is tried.
 """
 
 from collections.abc import Callable
@@ -16,13 +17,14 @@ from mpfcad.film import CurvatureSeries
 from mpfcad.job.led_design import LedDesign
 from mpfcad.measure import CellResult
 from mpfcad.pipeline.led.bound import least_contrast
-from mpfcad.pipeline.led.tried import Tried, cosines
+from mpfcad.pipeline.led.pilot import Pilot, pilot_pattern, read_pilot
+from mpfcad.pipeline.led.tried import Tried, read_tried
 
 #: Response of ln L to C [mm] of one film; of two at C = 74 /mm, and over which C it doubles [1/mm].
 ONE, TWO, AT, DOUBLES = -0.0028, -0.018, 74.0, 10.0
-#: Bounds of a response found, over its prior.
+#: Bounds of a response that a move has told, over what was taken before.
 _LEAST, _MOST = 0.4, 3.0
-#: Least change [1/mm] that tells a response.
+#: Least change [1/mm] that tells a response, if what it is expected to do is over the noise.
 _TELLS = 0.3
 
 
@@ -36,12 +38,15 @@ class LedSearch:
         the maps in their order
     response
         (h+1, h+1) float64 [mm], of ln L to C by harmonic, as the last move told it
+    pilots
+        by the mean C [1/mm], what was measured of cells
     """
 
     design: LedDesign
     trace: Callable[[CurvatureSeries], CellResult]
     tried: list[Tried] = field(default_factory=list)
     response: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros((0, 0)))
+    pilots: dict[float, Pilot] = field(init=False, default_factory=dict)
 
     @property
     def best(self) -> Tried:
@@ -52,8 +57,12 @@ class LedSearch:
         """Return the best map after uniform films and corrections."""
         for curvature in self.design.search.uniform_per_mm:
             self.try_even(curvature)
+        even = self.try_even(self.best.mean)
+        prior = self.response_of(even)
+        response = self.response = prior.copy()
+        if self.pilot is not None and not self.pilot.is_told:
+            return self.best
         last = self.best
-        response = self.response = self.prior_of(last)
         for _ in range(self.design.search.iterations):
             if self.best.found.contrast.value <= self.design.goal.contrast_target:
                 break
@@ -61,10 +70,10 @@ class LedSearch:
             step[0, 0] = 0.0
             new = self._try(self._next(last, step))
             moved = new.map.coefficient - last.map.coefficient
-            told = np.abs(moved) > _TELLS
-            prior = self._prior(new.map.coefficient[0, 0])[told]
+            noise = np.hypot(new.error, last.error)
+            told = (np.abs(moved) > _TELLS) & (noise < np.abs(prior * moved))
             gained = (new.harmonic - last.harmonic)[told] / moved[told]
-            response[told] = prior * np.clip(gained / prior, _LEAST, _MOST)
+            response[told] = prior[told] * np.clip(gained / prior[told], _LEAST, _MOST)
             last = new
         return self.best
 
@@ -78,14 +87,24 @@ class LedSearch:
                 return one
         return self._try(coefficient)
 
-    def prior_of(self, one: Tried) -> NDArray[np.float64]:
-        """Return the response (h+1, h+1) [mm] that films of its mean have by experience."""
-        return self._prior(one.map.coefficient[0, 0])
+    @property
+    def pilot(self) -> Pilot | None:
+        """What was measured of films of the best one's mean; None of grooves."""
+        return self.pilots.get(self.best.mean)
 
-    def _prior(self, curvature: float) -> NDArray[np.float64]:
-        size = self.design.constraint.harmonics + 1
-        two = TWO * 2 ** ((curvature - AT) / DOUBLES)
-        return np.full((size, size), ONE if self.design.films == 1 else two)
+    def response_of(self, even: Tried) -> NDArray[np.float64]:
+        """Return the response (h+1, h+1) [mm] about an even film: measured of cells, else known."""
+        size, mean = self.design.constraint.harmonics + 1, even.mean
+        if not self.design.has_cells:
+            two = TWO * 2 ** ((mean - AT) / DOUBLES)
+            return np.full((size, size), ONE if self.design.films == 1 else two)
+        if mean not in self.pilots:
+            limit = self.design.constraint
+            room = min(limit.curvature_max_per_mm - mean, mean - limit.curvature_min_per_mm)
+            pattern = pilot_pattern(size, room)
+            more, less = (self._try(even.map.coefficient + move) for move in (pattern, -pattern))
+            self.pilots[mean] = read_pilot(more, less)
+        return self.pilots[mean].response
 
     def _next(self, last: Tried, step: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the corrected series; where C would pass its limits, the model's best within."""
@@ -112,7 +131,6 @@ class LedSearch:
 
     def _try(self, coefficient: NDArray[np.float64]) -> Tried:
         chosen = CurvatureSeries(coefficient)
-        found = self.trace(chosen)
-        tried = Tried(chosen, found, cosines(found, len(coefficient)))
+        tried = read_tried(chosen, self.trace(chosen))
         self.tried.append(tried)
         return tried

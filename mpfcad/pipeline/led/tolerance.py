@@ -26,8 +26,11 @@ def departures(design: LedDesign, stack: Stack) -> list[dict[str, float]]:
     if design.films == 2:
         axes = ["crossed_shift_x_mm", "crossed_shift_y_mm", "board_shift_x_mm"]
     found = [{axis: shift} for axis in axes if shift > 0]
-    if table.resin_percent > 0:
-        found += [{"resin_percent": sign * table.resin_percent} for sign in (1.0, -1.0)]
+    axis, off = "resin_percent", table.resin_percent
+    if not design.is_printed:
+        axis, off = "curvature_error_per_mm", table.curvature_per_mm
+    if off > 0:
+        found += [{axis: sign * off} for sign in (1.0, -1.0)]
     if table.flux_percent > 0:
         spread = table.flux_percent / 100
         found.append({"stack.override.led_flux_spread": spread, "led_repeat": _REPEAT})

@@ -12,7 +12,6 @@ from mpfcad.film import (
     ALONG_ARRAY,
     CurvatureMap,
     CurvatureSeries,
-    Groove,
     check_curvature,
     has_along,
     read_curvature_cell,
@@ -126,13 +125,14 @@ def read_cell_maps(
     _refuse(job, stack, where)
     groove, frame = job.film.groove, CellFrame.of(stack)
     pitch, piece = groove.pitch, piece_length(job)
+    made = frame.size, groove, job.film.profile
     for film in departure.films:
-        _check_error(film, groove, where)
-    at = departure.film(0).on(_read(job, job_file, job.map, stack), frame.size, groove)
+        _check_error(film, job, where)
+    at = departure.film(0).on(_read(job, job_file, job.map, stack), *made)
     found = [wanted_over(at, frame, pitch, piece, where)]
     if job.crossed is not None:
         table = job.crossed if job.crossed.is_given else job.map
-        at = departure.film(1).on(_read(job, job_file, table, stack), frame.size, groove)
+        at = departure.film(1).on(_read(job, job_file, table, stack), *made)
         found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
     return [_within(wanted, job, where) for wanted in found]
 
@@ -150,7 +150,8 @@ def read_along_map(
     if not states_along(job, job_file):
         return None
     where, frame, groove = str(job_file), CellFrame.of(stack), job.film.groove
-    at = departure.film(0).on(_read(job, job_file, job.map, stack, along=True), frame.size, groove)
+    wanted = _read(job, job_file, job.map, stack, along=True)
+    at = departure.film(0).on(wanted, frame.size, groove, job.film.profile)
     return _within(wanted_over(at, frame, groove.pitch, groove.pitch, where), job, where)
 
 
@@ -242,8 +243,13 @@ def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArra
     return np.full(count, curvature)
 
 
-def _check_error(film: PrintError, groove: Groove, where: str) -> None:
-    most = groove.curvature_empty
+def _check_error(film: PrintError, job: Job, where: str) -> None:
+    most = job.film.groove.curvature_empty
+    if film.resin and job.film.profile != "filled":
+        raise InputError(
+            f"{where}: axis resin_percent: {film.resin * 100:g}: profile {job.film.profile}: a "
+            "mould makes the film: expected curvature_error_per_mm"
+        )
     if abs(film.curvature) >= most:
         raise InputError(
             f"{where}: axis curvature_error_per_mm: {film.curvature:g}: no C is left within "

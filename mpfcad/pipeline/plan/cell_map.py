@@ -84,7 +84,7 @@ class CellFilmMap:
                 f"{where}: stack: {stack.name}: a cell of {self.frame.size[0]:g} mm on a panel of "
                 f"{width:g} mm: expected a panel that holds two cells"
             )
-        library = self._library(job)
+        library = self.library(job)
         field = RepeatedField(
             self.wanted, groove.pitch, library.length, first, self.frame.origin[1], count, length
         )
@@ -93,7 +93,14 @@ class CellFilmMap:
         piece = panel.cut(first, n, self.frame.size[1])
         return Laid(panel, piece, library, first, film, None, self.along)
 
-    def _library(self, job: Job) -> PieceLibrary | CellLibrary:
+    def library(self, job: Job) -> PieceLibrary | CellLibrary:
+        """Return the film over the cells that are traced, its C rounded to levels.
+
+        Raises
+        ------
+        InputError
+            when a film cannot have a curvature.
+        """
         levels = LEVELS if job.cad.levels is None else job.cad.levels
         if job.has_cells:
             assert job.film.cell != "groove"  # has_cells says so

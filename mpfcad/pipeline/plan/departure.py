@@ -1,5 +1,6 @@
 """How films and board of a stack of LEDs depart from the job: registration, resin, binning."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from mpfcad.backlight import Stack
 from mpfcad.errors import InputError
-from mpfcad.film import Groove
+from mpfcad.film import Groove, Profile
 
 #: C at all of u by all of v in periods from the LED, (n, m) float64 [1/mm].
 CellMap = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -29,7 +30,7 @@ class PrintError:
     pattern
         more departure of C from its mean, as a share
     curvature
-        added to C [1/mm]; where that is above bare prisms', they stay bare
+        added to C [1/mm]; where a print's is above bare prisms', they stay bare
     """
 
     shift: tuple[float, float] = (0.0, 0.0)
@@ -37,13 +38,16 @@ class PrintError:
     pattern: float = 0.0
     curvature: float = 0.0
 
-    def on(self, at: CellMap, cell: tuple[float, float], groove: Groove) -> CellMap:
-        """Return a map over a cell [mm] as it is printed."""
+    def on(
+        self, at: CellMap, cell: tuple[float, float], groove: Groove, profile: Profile
+    ) -> CellMap:
+        """Return a map over a cell [mm] as it is printed, or moulded."""
         if self == PrintError():
             return at
         across, along = (move / size for move, size in zip(self.shift, cell, strict=True))
         place = np.arange(_MEAN) / _MEAN
-        mean, most = float(at(place, place).mean()), groove.curvature_empty
+        mean = float(at(place, place).mean())
+        most = groove.curvature_empty if profile == "filled" else math.inf
 
         def printed(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
             found = np.mod(u - across, 1.0), np.mod(v - along, 1.0)

@@ -36,6 +36,7 @@ def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> No
         bears=[_borne(one) for one in record["bears"]],
         tried=[_tried(one) for one in record["tried"]],
         lines=range_lines(record["range"]),
+        told=pilot_lines(record["pilot"]),
         boards=[_board(one) for one in (record["range"] or {"boards": []})["boards"]],
     )
     path.write_bytes(page.encode())
@@ -58,6 +59,20 @@ def _result(record: Record) -> list[tuple[str, str]]:
          number(record["mould"]["lamp_mura_contrast"], 4)),
         ("screen", record["printing"]["words"]),
     ]  # fmt: skip
+
+
+def pilot_lines(found: Record | None) -> list[str]:
+    """Return what was measured of the response of light to C, in words; none of grooves."""
+    if found is None:
+        return []
+    value, error = found["response_mm"], found["standard_error_mm"]
+    line = f"response of ln L to C, a harmonic to its own: {value:.2g} ± {error:.1g} mm (1 σ)"
+    if found["is_told"]:
+        return [line]
+    return [
+        f"{line}: in the noise, so no map was tried; the least of any map is that of the largest "
+        "response which this leaves possible"
+    ]
 
 
 def range_lines(found: Record | None) -> list[str]:
