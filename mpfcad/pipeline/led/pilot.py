@@ -61,13 +61,20 @@ class Pilot:
 
     def document(self) -> dict[str, Any]:
         """Return it as plain values, fit for JSON; None where a harmonic tells nothing."""
-        finite = np.isfinite(self.error)
+
+        def plain(table: NDArray[np.float64]) -> list[list[float | None]]:
+            told = np.isfinite(self.error)
+            return [
+                [float(value) if known else None for value, known in zip(*rows, strict=True)]
+                for rows in zip(table, told, strict=True)
+            ]
+
         return {
             "response_mm": self.value,
             "standard_error_mm": self.standard_error,
             "is_told": self.is_told,
-            "harmonic_mm": np.where(finite, self.own, None).tolist(),
-            "harmonic_standard_error_mm": np.where(finite, self.error, None).tolist(),
+            "harmonic_mm": plain(self.own),
+            "harmonic_standard_error_mm": plain(self.error),
         }
 
 
