@@ -63,6 +63,18 @@ def test_a_harmonic_that_is_read_as_nothing_adds_no_noise():
     assert 0.015 < found.low < found.value == pytest.approx(0.02, abs=2e-3)
 
 
+def test_fewer_blocks_than_terms_still_give_an_interval():
+    # Of 64 blocks, with a fourth harmonic along both axes: 81 terms.
+    rng = np.random.default_rng(4)
+    block = 0.02 * rng.standard_normal((64, TERMS**2))
+    block[:, [0, 7, 7 * TERMS]] += 1.0, 0.02, 0.015
+    covariance = np.cov(block.T) / len(block)
+    found = fit_series(block.mean(axis=0), covariance, len(block), TERMS, False)
+    assert len(found.coefficient) >= 81 > len(block)
+    contrast = found.contrast(1)
+    assert contrast.low < 0.035 < contrast.high  # (0.02 + 0.015) / 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [0.0, 0.004, 0.02])
 def test_intervals_of_contrast_hold_the_truth(size):

@@ -16,6 +16,8 @@ _FINE = 32
 #: What is left beyond the series may be as improbable as 3σ of noise.
 _SIGMA = 3.0
 LEAST = 3
+#: Blocks a term from which on a covariance is taken as it is.
+_BLOCKS_A_TERM = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,10 +176,11 @@ def fit_series(
         if left <= _SIGMA:
             break
     chosen = np.flatnonzero(kept)
-    return CellSeries(
-        order[chosen], coefficient[chosen], covariance[np.ix_(chosen, chosen)],
-        float(blocks - 1), float(left),
-    )  # fmt: skip
+    noise = covariance[np.ix_(chosen, chosen)]
+    if blocks < _BLOCKS_A_TERM * len(chosen):
+        # So few blocks leave the covariance of so many terms singular, or nearly.
+        noise = (noise + np.diag(np.diag(noise))) / 2
+    return CellSeries(order[chosen], coefficient[chosen], noise, float(blocks - 1), float(left))
 
 
 def _terms(place: NDArray[np.float64], last: int) -> NDArray[np.float64]:
