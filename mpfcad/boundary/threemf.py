@@ -13,6 +13,8 @@ from mpfcad.errors import InputError
 _MODEL_TYPE = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _IN_PLACE = "1 0 0 0 1 0 0 0 1 0 0 0"
+#: Places held as text at a time: a million of them take a gigabyte.
+_CHUNK = 20_000
 
 
 class Instances(NamedTuple):
@@ -38,26 +40,31 @@ def read_instances(path: Path) -> Instances:
     InputError
         when an object stands in another part of the package, or the XML is none.
     """
-    number: list[str] = []
-    place: list[str] = []
+    number: list[int] = []
+    text: list[str] = []
+    table: list[NDArray[np.float64]] = []
+
+    def flush() -> None:
+        table.append(np.array(" ".join(text).split(), np.float64).reshape(len(text), 4, 3))
+        text.clear()
 
     def item(name: str, given: dict[str, str]) -> None:
         if name != f"{_CORE} item":
             return
         if any(key.endswith(" path") for key in given):
             raise InputError(f"{path}: 3MF: an item in another part: expected all in one model")
-        number.append(given.get("objectid", ""))
-        place.append(given.get("transform", _IN_PLACE))
+        number.append(int(given["objectid"]))
+        text.append(given.get("transform", _IN_PLACE))
+        if len(text) == _CHUNK:
+            flush()
 
     try:
         with zipfile.ZipFile(path) as archive:
             _parse(archive, _model_part(archive), item)
-        return Instances(
-            np.array(number, np.int64),
-            np.array(" ".join(place).split(), np.float64).reshape(len(number), 4, 3),
-        )
+        flush()
     except (expat.ExpatError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: 3MF: {error}: expected a model with items") from None
+    return Instances(np.array(number, np.int64), np.concatenate(table))
 
 
 def _model_part(archive: zipfile.ZipFile) -> str:
