@@ -23,6 +23,7 @@ from mpfcad.film.field.file import (
     read_curvature_field,
     write_curvature_field,
 )
+from mpfcad.film.field.halftone import Halftone, HalftoneField, build_halftone
 from mpfcad.film.field.library import PieceLibrary, build_library
 from mpfcad.film.field.piece import FieldPiece, cut_piece
 from mpfcad.film.field.repeated import CurvatureCell, RepeatedField
@@ -34,7 +35,7 @@ from mpfcad.film.made import MadeFilm
 from mpfcad.film.measured import average_groove
 from mpfcad.film.panel import PanelFilm
 from mpfcad.film.process.file import read_process
-from mpfcad.film.process.levelling import levelling_length
+from mpfcad.film.process.levelling import levelling_length, modulation_left
 from mpfcad.film.process.model import Process, check_aperture_ratio, check_printable, groove_ranges
 from mpfcad.film.process.posterior import (
     PRIOR_RELEASE,
@@ -73,6 +74,8 @@ __all__ = [
     "FieldFilm",
     "FieldPiece",
     "Groove",
+    "Halftone",
+    "HalftoneField",
     "Imperfection",
     "Interval",
     "MadeFilm",
@@ -95,6 +98,7 @@ __all__ = [
     "average_groove",
     "build_cell_library",
     "build_curvature_map",
+    "build_halftone",
     "build_library",
     "build_section",
     "check_aperture_ratio",
@@ -106,6 +110,7 @@ __all__ = [
     "has_along",
     "is_field_file",
     "levelling_length",
+    "modulation_left",
     "parse_columns",
     "parse_units",
     "prior_belief",

@@ -4,6 +4,7 @@
 becomes one `InputError` line that names the file, the field, its value and what is expected.
 """
 
+from mpfcad.job.halftone import HalftoneTable
 from mpfcad.job.model import (
     EFFORTS,
     BaselineTable,
@@ -34,6 +35,7 @@ __all__ = [
     "Effort",
     "FilmTable",
     "GateTable",
+    "HalftoneTable",
     "Job",
     "MapTable",
     "MaskTable",

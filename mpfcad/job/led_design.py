@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.design import Name
+from mpfcad.job.halftone import HalftoneTable
 from mpfcad.job.model import (
     FilmTable,
     MaskTable,
@@ -22,6 +23,9 @@ _MOST_BOARDS = 100
 #: What holds of cells unless the design says: C [1/mm] of a print and of a mould, even films of a
 #: mould [1/mm], angle of facets [°].
 _PRINTED, MOULDED, _EVEN, _ANGLE = (40.0, 80.0), (20.0, 100.0), [30.0, 50.0, 70.0], 2.0
+#: Between the limits of a halftone's map and its two curvatures [1/mm]: a series is held at other
+#: places than those of the pieces.
+_ROOM = 0.1
 
 
 class LedGoalTable(Table):
@@ -104,8 +108,8 @@ class LedDesign(Table):
 
     `films`: 1, a printed film in the job's place; 2, one more crossed over it, in the place of the
     stack's film that is turned by 90°, with the same curvature at the same place. One film may have
-    `film.cell`, pyramids or dishes. `process` and `mask` go into the job that is found; the search
-    asks neither.
+    `film.cell`, pyramids or dishes; with `halftone` every film is one. `process` and `mask` go into
+    the job that is found; the search asks neither.
     """
 
     version: Literal[1] = Field(default=1, alias="schema")
@@ -122,6 +126,7 @@ class LedDesign(Table):
     mask: MaskTable | None = None
     stack: StackTable
     resin: ResinTable | None = None
+    halftone: HalftoneTable | None = None
     range: LedRangeTable | None = None
 
     @model_validator(mode="after")
@@ -148,6 +153,8 @@ class LedDesign(Table):
             self._by_kind("constraint", "angle_tolerance_deg", _ANGLE)
             if not self.is_printed:
                 self._by_kind("search", "uniform_per_mm", _EVEN)
+        if self.halftone is not None:
+            self._limit_halftone(self.halftone.curvature_per_mm)
         low, high = self.constraint.curvature_min_per_mm, self.constraint.curvature_max_per_mm
         if low >= high:
             raise ValueError(f"constraint.curvature_max_per_mm = {high:g}: expected above {low:g}")
@@ -166,6 +173,31 @@ class LedDesign(Table):
             changed = own.model_copy()
             changed.__dict__[name] = value
             self.__dict__[table] = changed
+
+    def _limit_halftone(self, printed: float) -> None:
+        """Hold a halftone's limits of C, and the even films, between its two curvatures [1/mm]."""
+        bare = self.film.groove.curvature_empty
+        low, high = printed + _ROOM, bare - _ROOM
+        self._by_kind("constraint", "curvature_min_per_mm", low)
+        self._by_kind("constraint", "curvature_max_per_mm", high)
+        limit = self.constraint
+        for name, values, ends in (
+            ("constraint.curvature_min_per_mm", [limit.curvature_min_per_mm], (low, high)),
+            ("constraint.curvature_max_per_mm", [limit.curvature_max_per_mm], (low, high)),
+            ("search.uniform_per_mm", self.search.uniform_per_mm, (printed, bare)),
+        ):
+            outside = [c for c in values if not ends[0] <= c <= ends[1]]
+            if outside:
+                raise ValueError(
+                    f"{name}: {outside[0]:g}: expected {ends[0]:g} … {ends[1]:g}, from "
+                    "halftone.curvature_per_mm to bare prisms"
+                )
+        states_solids = (limit.solids_fraction_min, limit.solids_fraction_max) != (None, None)
+        if states_solids and self.process is not None and self.process.flow is not None:
+            raise ValueError(
+                "constraint.solids_fraction_min: the levelling of a halftone by viscosity_pa_s "
+                "hangs on it: expected mask.levelling_length_mm, or one solids_fraction"
+            )
 
     def _refuse_of_cells(self) -> None:
         film, limit = self.film, self.constraint

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from mpfcad.job.film import FilmTable
+from mpfcad.job.halftone import HalftoneTable
 from mpfcad.job.screen import MaskTable, ProcessTable
 from mpfcad.job.table import Positive, Table
 
@@ -292,6 +293,7 @@ class Job(Table):
     trace: TraceTable = TraceTable()
     baseline: BaselineTable | None = None
     crossed: CrossedTable | None = None
+    halftone: HalftoneTable | None = None
     confidence: ConfidenceTable | None = None
 
     @property
@@ -318,7 +320,8 @@ class Job(Table):
 
     def document(self) -> dict[str, Any]:
         """Return the job as plain JSON values, every default written out."""
-        return self.model_dump(mode="json", by_alias=True)
+        absent = {"halftone"} if self.halftone is None else None  # as jobs before it were written
+        return self.model_dump(mode="json", by_alias=True, exclude=absent)
 
     def given(self) -> dict[str, Any]:
         """Return only what the job's file states; `build_job` makes the same job of it again."""

@@ -25,7 +25,7 @@ LED_AXES = (
 _OWN_AXES = tuple(dict.fromkeys((FILL_AXIS, LAMP_AXIS, *REGISTRATION_AXES, *LED_AXES)))
 #: Tables that ask for something even where they are empty.
 _ASKING = ("crossed", "confidence")
-_TABLES = ("map", "film", "process", "mask", "cad", "stack", *_ASKING)
+_TABLES = ("map", "film", "process", "mask", "cad", "stack", "halftone", *_ASKING)
 Value = Annotated[float, Field(allow_inf_nan=False)] | str
 
 
@@ -60,6 +60,7 @@ class Sweep(Table):
     mask: dict[str, Any] = Field(default_factory=dict)
     cad: dict[str, Any] = Field(default_factory=dict)
     stack: dict[str, Any] = Field(default_factory=dict)
+    halftone: dict[str, Any] = Field(default_factory=dict)
     crossed: dict[str, Any] | None = None
     confidence: dict[str, Any] | None = None
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mpfcad.film import Process
 from mpfcad.mask.array import ApertureArray, TileArray
 from mpfcad.mask.rule import MaskRules
 
@@ -71,6 +72,11 @@ class Mask(ABC):
         """Aperture ratio of each groove as drawn, (n,) float64, 0…1."""
 
     @property
+    def printed_share(self) -> NDArray[np.float64] | None:
+        """Share of each groove's length that is to be printed, (n,) float64; None: all of it."""
+        return None
+
+    @property
     @abstractmethod
     def wanted_ratio(self) -> NDArray[np.float64]:
         """Aperture ratio that each groove's curvature needs, its mean along, (n,) float64."""
@@ -111,6 +117,14 @@ class Mask(ABC):
         Of squares of side `cell` [mm]: a map of both directions varies along its grooves.
         """
         return self.wanted_map(cell), cell
+
+    def wanted_curvature(self, process: Process, cell: float) -> tuple[NDArray[np.float64], float]:
+        """Return C [1/mm] where it changes as the print is shifted, and the places' distance [mm].
+
+        As `wanted_places`; along by across, or across alone.
+        """
+        wanted, step = self.wanted_places(cell)
+        return process.curvature(wanted), step
 
     @cached_property
     def ratio_ends(self) -> tuple[float, float]:

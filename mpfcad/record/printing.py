@@ -4,6 +4,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mpfcad.film.process.model import NORMAL_95
 from mpfcad.gate import Gate, Outcome, worst_outcome
 from mpfcad.mask import MaskCheck
@@ -104,7 +107,8 @@ def _release_gate(printing: Printing) -> list[Gate]:
 def _ratio_gates(
     checks: Mapping[str, MaskCheck], printing: Printing, limits: PrintLimits
 ) -> list[Gate]:
-    is_open = [check.aperture_ratio[check.aperture_ratio > 1e-4] for check in checks.values()]
+    found = [_over_printed(check.aperture_ratio, printing) for check in checks.values()]
+    is_open = [ratio[ratio > 1e-4] for ratio in found]
     if not all(ratio.size for ratio in is_open):
         return []
     # Of a map of both directions the means of whole grooves say less than its own ends.
@@ -114,6 +118,12 @@ def _ratio_gates(
         Gate(f"{PREFIX}ratio_min", least, limits.ratio_min, at_least=True),
         Gate(f"{PREFIX}ratio_max", most, limits.ratio_max),
     ]
+
+
+def _over_printed(ratio: NDArray[np.float64], printing: Printing) -> NDArray[np.float64]:
+    """Return grooves' ratios over what of their length is printed; as they are where nothing is."""
+    share = printing.printed_share
+    return ratio if share is None else np.divide(ratio, share, out=ratio.copy(), where=share > 0)
 
 
 def _feature_gates(checks: Mapping[str, MaskCheck], printing: Printing) -> list[Gate]:

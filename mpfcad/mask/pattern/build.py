@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film import PanelFilm, Process, check_printable, groove_ranges
+from mpfcad.film import HalftoneField, PanelFilm, Process, check_printable, groove_ranges
 from mpfcad.mask.aperture import Mask
 from mpfcad.mask.pattern.grooves import build_groove_mask
 from mpfcad.mask.rule import GRID, MaskRules, dot_side, ratio_range, suggest_mesh
@@ -48,14 +48,21 @@ def build_mask(
     if not (name.isascii() and name.isprintable()):
         raise InputError(f"{where}: name: {name!r}: expected printable ASCII")
     low, high = film.extremes()
-    check_printable(process, low, f"{where}: map")
-    check_printable(process, high, f"{where}: map")
+    is_halftone = film.varies_along and isinstance(film.as_field().field, HalftoneField)
+    field = "halftone" if is_halftone else "map"
+    check_printable(process, low, f"{where}: {field}")
+    check_printable(process, high, f"{where}: {field}")
     for side, value in (("width", film.width), ("length", film.length)):
         if value / GRID > LARGEST_SIDE:
             raise InputError(
                 f"{where}: stack.panel_{side}_mm: {value:g}: expected up to {LARGEST_SIDE * GRID:g}"
             )
     content_hash = _hash(film)
+    if is_halftone:
+        from mpfcad.mask.pattern.halftone import build_halftone_mask
+
+        field_film = film.as_field()
+        return build_halftone_mask(field_film, process, rules, name, content_hash, where)
     if not film.varies_along and not rules.is_stochastic:
         return build_groove_mask(film, process, rules, name, content_hash, where)
     if rules.pattern in ("staggered", "angled"):

@@ -18,6 +18,8 @@ FULL_WIDTH = 2 * (2 * np.log(2)) ** 0.5
 GROOVES, STRETCH = 64, 60
 #: Points a levelling length or period, whichever is shorter.
 POINTS = 25
+#: A wanted ratio up to this is none.
+DRY = 1e-9
 #: Standard deviations at which the Gauss curve is cut: an earlier cut has a ripple of its own.
 REACH = 6.5
 
@@ -37,7 +39,8 @@ class Residual:
     groove
         (k,) int64, the grooves that were looked at, counted from 0
     groove_ratio, groove_rms
-        (k,) float64, each one's mean wanted ratio, and root mean square of the distance
+        (k,) float64, each one's mean wanted ratio, and root mean square of the distance, where it
+        is printed
     """
 
     rms: float
@@ -72,6 +75,9 @@ def levelling_residual(mask: Mask) -> Residual:
         )
         error = gaussian_filter1d(drawn - wanted, sigma, truncate=REACH)
         error = error[margin : points - 1 - margin]
+        inside = wanted[margin : points - 1 - margin] > DRY
+        if inside.any():  # of a halftone the printed pieces alone: bare ones ripple by nothing
+            error, wanted = error[inside], wanted[wanted > DRY]
         square.append(float(np.mean(error**2)))
         worst = max(worst, float(np.abs(error).max()))
         ratio.append(float(wanted.mean()))
@@ -84,6 +90,6 @@ def levelling_residual(mask: Mask) -> Residual:
 def _sample(mask: Mask) -> NDArray[np.int64]:
     spread = np.linspace(0, mask.groove_count - 1, GROOVES).astype(np.int64)
     wanted = mask.wanted_ratio
-    least = np.where(wanted > 1e-9, wanted, np.inf)
+    least = np.where(wanted > DRY, wanted, np.inf)
     ends = [int(np.argmin(least)), int(np.argmax(wanted))]
     return np.unique(np.append(spread, ends))

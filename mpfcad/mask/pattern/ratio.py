@@ -80,6 +80,43 @@ class CellRatio:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class PieceRatio:
+    """Wanted aperture ratio of pieces that are printed with one ratio, or not; lengths in mm.
+
+    Attributes
+    ----------
+    printed
+        (n, k) bool, which pieces of each groove are
+    ratio
+        of those
+    piece, start, length
+        of a piece; y at which the first begins; of the panel
+    """
+
+    printed: NDArray[np.bool_]
+    ratio: float
+    piece: float
+    start: float
+    length: float
+
+    def integral(
+        self, first: int, count: int, position: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the ratio integrated along from 0 to each position [mm], (count, k)."""
+        rows = self.printed[first : first + count]
+        pieces = rows.shape[1]
+        total = np.zeros((count, pieces + 1))
+        np.cumsum(rows, axis=1, out=total[:, 1:])
+        reach = np.clip((position - self.start) / self.piece, 0, pieces)
+        low = np.minimum(reach.astype(np.int64), pieces - 1)
+        return (total[:, low] + (reach - low) * rows[:, low]) * (self.piece * self.ratio)
+
+    def means(self) -> NDArray[np.float64]:
+        """Return the mean ratio of each groove, (n,) float64."""
+        return self.printed.sum(axis=1) * (self.piece * self.ratio / self.length)
+
+
 @kept
 @nb.njit(nogil=True)
 def _look_up(node, index, weight, table, scale, out):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mpfcad.mask.aperture import Mask, blocks
 from mpfcad.mask.array import ApertureArray, Placement, Tile, TileArray
-from mpfcad.mask.pattern.ratio import CellRatio
+from mpfcad.mask.pattern.ratio import CellRatio, PieceRatio
 from mpfcad.mask.rule import GRID
 
 #: Ratios of a 2-D map are rounded to this many levels, besides 0.
@@ -44,7 +44,7 @@ class LevelMask(Mask):
         cells in a tile, tiles along a groove, length of a cell [grid steps]
     """
 
-    ratio: CellRatio
+    ratio: CellRatio | PieceRatio
     level: NDArray[np.integer]
     phase: NDArray[np.int64]
     tiles: dict[tuple[int, int], Tile]

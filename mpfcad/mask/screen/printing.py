@@ -52,6 +52,8 @@ class Printing:
         largest change of a groove's curvature [1/mm] by that
     curvature_half_width
         largest half width of the curvature's 95 % interval [1/mm] by the process; None: not known
+    printed_share
+        (n,) float64, share of each groove's length that is printed; None: all of it
     """
 
     mesh: Mesh | None
@@ -67,6 +69,7 @@ class Printing:
     registration: float
     registration_curvature: float
     curvature_half_width: float | None
+    printed_share: NDArray[np.float64] | None = None
 
     @property
     def ripple_luminance(self) -> float:
@@ -103,7 +106,8 @@ def find_printing(
     mesh's volume that leaves, with the deviation of its logarithm.
     """
     # A map of both directions: by squares; a groove's mean says too little.
-    wanted, step = mask.wanted_places(SQUARE)
+    wanted, _ = mask.wanted_places(SQUARE)
+    curvature, step = mask.wanted_curvature(process, SQUARE)
     is_open = wanted > 1e-9
     residual = levelling_residual(mask)
     ripple = curvature_ripple(process, residual.groove_ratio, residual.groove_rms)
@@ -120,8 +124,9 @@ def find_printing(
         ripple_groove=int(residual.groove[worst]),
         levelling_length=residual.levelling_length,
         registration=registration,
-        registration_curvature=_shifted(process.curvature(wanted), registration / step),
+        registration_curvature=_shifted(curvature, registration / step),
         curvature_half_width=_half_width(process, wanted[is_open]),
+        printed_share=mask.printed_share,
     )
 
 

@@ -40,7 +40,10 @@ class CellRuns(Runs):
     ) -> None:
         self.plan, self.films, self.series = plan, films, found.series
         wanted = np.concatenate([film.wanted.ravel() for film in films])
-        self.asked = np.linspace(wanted.min(), wanted.max(), _ASKED)
+        ends = float(wanted.min()), float(wanted.max())
+        if plan.job.halftone is not None:  # one ratio is printed, whatever levelling makes of it
+            ends = (plan.job.halftone.curvature_per_mm,) * 2
+        self.asked = np.linspace(*ends, _ASKED)
         super().__init__(None, self._factors(), _reading(found), plan.job.seed, threads, progress)
 
     @cached_property
@@ -73,7 +76,10 @@ class CellRuns(Runs):
             more += mode * step
         groove, wanted = library.groove, library.wanted
         fill = np.asarray(groove.fill_fraction(wanted))
-        fill = fill * np.exp(np.interp(wanted, self.asked, more))
+        of_place = (
+            more[0] if self.asked[0] == self.asked[-1] else np.interp(wanted, self.asked, more)
+        )
+        fill = fill * np.exp(of_place)
         curvature = np.asarray(groove.curvature_of_fill(np.clip(fill, 0.0, FULL)))
         levels = LEVELS if self.plan.job.cad.levels is None else self.plan.job.cad.levels
         curvature = np.minimum(curvature, groove.curvature_empty)

@@ -23,6 +23,7 @@ from mpfcad.pipeline.led.film import (
     STACK,
     check_films,
     films_of,
+    halftones_of,
     shown_films,
     write_films,
 )
@@ -155,7 +156,10 @@ def _ship(
         seed = design.seed + 1
         found = _trace_shipped(work, design, folder, base, seed, effort)
         tables = job_tables(design, best.map)
+        halftones = halftones_of(design, stack, best.map)
         used = np.concatenate([np.unique(film.shown) for film in films])
+        if design.halftone is not None:
+            used = np.array([design.halftone.curvature_per_mm])
         printing = find_screen(design, file, tables, used) if design.is_printed else None
         tables = printed_tables(design, tables, printing)
         bears = find_tolerances(design, file, stack, tables, work.threads, progress)
@@ -170,11 +174,13 @@ def _ship(
             "optical_distance_mm": _distance(stack),
             "height_over_pitch": _distance(stack) / max(stack.source.cell),
             "series_per_mm": best.map.coefficient.tolist(),
+            **({"halftone": halftones} if halftones else {}),
             "films": [_describe_film(design, film) for film in films],
             "tried": [_describe_tried(one) for one in search.tried],
             "pilot": None if search.pilot is None else search.pilot.document(),
             "model_least": _describe_least(design.constraint, search),
-            "mould": _describe_least(_of_mould(design), search),
+            # What the traces tell of a halftone is no mould's.
+            "mould": None if halftones else _describe_least(_of_mould(design), search),
             "effort": effort,
             "found": describe_cell(found, seed),
             "bears": bears,

@@ -1,7 +1,7 @@
 """The films of a design for LEDs as files: 3MF libraries, and the stack that holds them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from mpfcad.backlight import Stack
 from mpfcad.backlight.layer.stated import OWN_VALUES
@@ -13,6 +13,7 @@ from mpfcad.pipeline.kind.library import PieceGrooves
 from mpfcad.pipeline.led.job import job_tables
 from mpfcad.pipeline.plan.cell import crossed_layer
 from mpfcad.pipeline.plan.cell_map import read_cell_film_map
+from mpfcad.pipeline.plan.halftone import describe_halftone
 
 if TYPE_CHECKING:
     from mpfcad.report.page.led_page import ShownFilm
@@ -31,11 +32,22 @@ def films_of(design: LedDesign, stack: Stack, field: CurvatureSeries) -> list[Pi
     """
     job = build_job(job_tables(design, field), design.name)
     found = read_cell_film_map(job, Path(design.name), stack)
-    films = [found.library(job)]
+    films = [found.library(job, design.name)]
     if found.crossed is not None:
         crossed_layer(stack, f"{design.name}: films: 2")
-        films.append(found.crossed.library(job))
+        films.append(found.crossed.library(job, design.name))
     return [cast(PieceGrooves, kind_of(film, job.cad)) for film in films]
+
+
+def halftones_of(design: LedDesign, stack: Stack, field: CurvatureSeries) -> list[dict[str, Any]]:
+    """Return the halftone of each film in outside names; none of a design without."""
+    job = build_job(job_tables(design, field), design.name)
+    found = read_cell_film_map(job, Path(design.name), stack)
+    return [
+        describe_halftone(job, film.halftone, film.piece, design.name)
+        for film in (found, found.crossed)
+        if film is not None and film.halftone is not None
+    ]
 
 
 def write_films(

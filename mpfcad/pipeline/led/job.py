@@ -9,13 +9,18 @@ from mpfcad.film import CurvatureSeries
 from mpfcad.job import build_job
 from mpfcad.job.led_design import LedDesign
 
+#: Tables of a design that go into its job as they are.
+_OWN = ("film", "process", "mask", "resin", "halftone")
+
 
 def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
     """Return the document of the job of a map, its files as the design names them."""
     tables = design.model_dump(mode="json", by_alias=True, exclude_unset=True)
     limit = design.constraint
     cad: dict[str, Any] = {"levels": limit.levels}
-    if not design.has_cells:  # whose pieces are cells
+    # Pieces of cells are cells; how finely a halftone is held hangs on its levelling.
+    free = design.halftone is not None and "piece_mm" not in limit.model_fields_set
+    if not design.has_cells and not free:
         cad["piece_mm"] = limit.piece_mm
     if limit.angle_tolerance_deg is not None:
         cad["angle_tolerance_deg"] = limit.angle_tolerance_deg
@@ -26,7 +31,7 @@ def job_tables(design: LedDesign, found: CurvatureSeries) -> dict[str, Any]:
         "seed": design.seed + 1,
         "map": {"series_per_mm": found.coefficient.tolist()},
         **({"crossed": {}} if design.films == 2 else {}),
-        **{name: tables[name] for name in ("film", "process", "mask", "resin") if name in tables},
+        **{name: tables[name] for name in _OWN if name in tables},
         "cad": cad,
         "stack": dict(tables["stack"]),
     }

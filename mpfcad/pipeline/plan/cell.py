@@ -91,7 +91,7 @@ def wanted_over(
 
 
 def piece_length(job: Job) -> float:
-    """Return about how long the pieces of a library are [mm]; cells are as long as wide.
+    """Return about how long pieces of one C are [mm]; of a halftone as printed; of cells a cell.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def piece_length(job: Job) -> float:
                 f"job: cad.piece_mm: {job.cad.piece_mm:g}: expected to be left out for cells"
             )
         return job.film.groove.pitch
-    return PIECE if given is None else given
+    return job.halftone.piece_mm if job.halftone is not None else given or PIECE
 
 
 def read_cell_maps(
@@ -128,12 +128,15 @@ def read_cell_maps(
     made = frame.size, groove, job.film.profile
     for film in departure.films:
         _check_error(film, job, where)
-    at = departure.film(0).on(_read(job, job_file, job.map, stack), *made)
-    found = [wanted_over(at, frame, pitch, piece, where)]
+
+    def printed(number: int, table: MapTable) -> CellMap:
+        film = departure.of_map(number, halftone=job.halftone is not None)
+        return film.on(_read(job, job_file, table, stack), *made)
+
+    found = [wanted_over(printed(0, job.map), frame, pitch, piece, where)]
     if job.crossed is not None:
-        table = job.crossed if job.crossed.is_given else job.map
-        at = departure.film(1).on(_read(job, job_file, table, stack), *made)
-        found.append(wanted_over(at, frame.turned, pitch, piece, where, turned=True))
+        across = printed(1, job.crossed if job.crossed.is_given else job.map)
+        found.append(wanted_over(across, frame.turned, pitch, piece, where, turned=True))
     return [_within(wanted, job, where) for wanted in found]
 
 
@@ -202,11 +205,12 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
         )
     if not job.film.model_copy(update={"cell": "groove"}).is_plain:
         raise InputError(f"{where}: film: expected a film as designed, without imperfections")
-    if cells and job.crossed is not None:
-        raise InputError(
-            f"{where}: crossed: film.cell {job.film.cell}: expected to be left out: cells are "
-            "patterned both ways"
-        )
+    for name in ("crossed", "halftone"):
+        if cells and getattr(job, name) is not None:
+            raise InputError(
+                f"{where}: {name}: film.cell {job.film.cell}: expected to be left out: cells are "
+                "patterned both ways"
+            )
     if stack.needs_prism:
         raise InputError(f"{where}: resin: expected one as the prisms, clear, under LEDs")
     _refuse_confidence(job, where)
@@ -232,8 +236,9 @@ def even_cells(job: Job, departure: Departure, count: int, where: str) -> NDArra
     curvature, cell = job.map.curvature_per_mm, job.film.cell
     if curvature is None:
         raise InputError(f"{where}: map: film.cell {cell}: expected one curvature_per_mm")
-    if job.crossed is not None:
-        raise InputError(f"{where}: crossed: film.cell {cell}: expected to be left out")
+    for name in ("crossed", "halftone"):
+        if getattr(job, name) is not None:
+            raise InputError(f"{where}: {name}: film.cell {cell}: expected to be left out")
     _refuse_confidence(job, where)
     if any(film != PrintError() for film in departure.films):
         raise InputError(
@@ -266,11 +271,12 @@ def refuse_cell_map(job: Job, where: str) -> None:
         when the job has it.
     """
     cell_only = job.map.series_per_mm is not None or job.map.states_along
-    if cell_only or job.map.extent == "cell" or job.crossed is not None:
-        what = "crossed" if job.crossed is not None else "map"
+    tables = [name for name in ("crossed", "halftone") if getattr(job, name) is not None]
+    if cell_only or job.map.extent == "cell" or tables:
         raise InputError(
-            f"{where}: {what}: is over a cell of LEDs, and tubes light the stack: expected "
-            "map.file, rows or curvature_per_mm, extent 'pitch' or 'panel', and no [crossed]"
+            f"{where}: {[*tables, 'map'][0]}: is over a cell of LEDs, and tubes light the stack: "
+            "expected map.file, rows or curvature_per_mm, extent 'pitch' or 'panel', and no "
+            "[crossed] or [halftone]"
         )
 
 

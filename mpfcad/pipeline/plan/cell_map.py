@@ -14,6 +14,8 @@ from mpfcad.film import (
     ALONG_ARRAY,
     CellLibrary,
     FieldFilm,
+    Halftone,
+    HalftoneField,
     PieceLibrary,
     RepeatedField,
     build_cell_library,
@@ -28,8 +30,9 @@ from mpfcad.pipeline.plan.cell import (
     read_along_map,
     read_cell_maps,
 )
-from mpfcad.pipeline.plan.departure import AS_DESIGNED, Departure
+from mpfcad.pipeline.plan.departure import AS_DESIGNED, AS_MAPPED, Departure, PrintError
 from mpfcad.pipeline.plan.field import field_section
+from mpfcad.pipeline.plan.halftone import clipped_tone, halftone_of, levelled_library
 from mpfcad.pipeline.plan.panel_map import Laid
 from mpfcad.pipeline.plan.size import groove_count
 
@@ -51,6 +54,12 @@ class CellFilmMap:
         the map of the film that lies across
     along
         (n, m) float64 [1/mm], C along y of cells that have two
+    halftone
+        the pieces that `wanted` is printed with, where it is a halftone
+    error
+        how the print of those departs from the job
+    turned
+        whether the film lies across
     """
 
     is_grooves: ClassVar[bool] = False
@@ -58,11 +67,14 @@ class CellFilmMap:
     frame: CellFrame
     crossed: "CellFilmMap | None" = None
     along: NDArray[np.float64] | None = None
+    halftone: Halftone | None = None
+    error: PrintError = AS_MAPPED
+    turned: bool = False
 
     @property
     def curvature(self) -> NDArray[np.float64]:
         """Every curvature [1/mm] that a screen has to print, of both films."""
-        own = np.ravel(self.wanted)
+        own = np.ravel(self.wanted if self.halftone is None else self.halftone.two_level)
         return own if self.crossed is None else np.concatenate([own, self.crossed.curvature])
 
     def lay(self, job: Job, stack: Stack, measured: NDArray[np.float64] | None, where: str) -> Laid:
@@ -84,23 +96,39 @@ class CellFilmMap:
                 f"{where}: stack: {stack.name}: a cell of {self.frame.size[0]:g} mm on a panel of "
                 f"{width:g} mm: expected a panel that holds two cells"
             )
-        library = self.library(job)
-        field = RepeatedField(
-            self.wanted, groove.pitch, library.length, first, self.frame.origin[1], count, length
-        )
+        library = self.library(job, where)
+        field = self._field(job, first, count)
         film = FieldFilm(groove, length, count, field, job.film.profile)
         panel = field_section(film, self.frame.origin[1], job.film.base)
         piece = panel.cut(first, n, self.frame.size[1])
         return Laid(panel, piece, library, first, film, None, self.along)
 
-    def library(self, job: Job) -> PieceLibrary | CellLibrary:
+    @property
+    def piece(self) -> float:
+        """Length of the pieces of `wanted` [mm]."""
+        return self.frame.size[1] / self.wanted.shape[1]
+
+    def _field(self, job: Job, first: int, count: int) -> RepeatedField:
+        """Return the map over the panel as it is printed; `first` is the groove at an LED."""
+        start = self.frame.origin[1]
+        place = (job.film.groove.pitch, self.piece, first, start, count, self.frame.panel[1])
+        if self.halftone is None:
+            return RepeatedField(self.wanted, *place)
+        return HalftoneField(self.halftone.two_level, *place, self.halftone)
+
+    def library(self, job: Job, where: str) -> PieceLibrary | CellLibrary:
         """Return the film over the cells that are traced, its C rounded to levels.
 
         Raises
         ------
         InputError
-            when a film cannot have a curvature.
+            that begins with `where`, when a film cannot have a curvature.
         """
+        if self.halftone is not None:
+            film = levelled_library(
+                job, self.halftone, self.frame, where, self.error, turned=self.turned
+            )
+            return film.repeated(self.frame.repeat)
         levels = LEVELS if job.cad.levels is None else job.cad.levels
         if job.has_cells:
             assert job.film.cell != "groove"  # has_cells says so
@@ -126,7 +154,8 @@ def read_cell_film_map(
         when a map is wrong.
     """
     along = read_along_map(job, job_file, stack, departure)
-    return _build(read_cell_maps(job, job_file, stack, departure), stack, along)
+    wanted = read_cell_maps(job, job_file, stack, departure)
+    return _build(job, wanted, stack, along, str(job_file), departure)
 
 
 def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
@@ -144,7 +173,7 @@ def restore_cell_film_map(job: Job, folder: Path, stack: Stack) -> CellFilmMap:
         found.append(_stored(folder / name, "curvature_per_mm", shape))
     first = folder / CELL_FILES[0]
     along = _stored(first, ALONG_ARRAY, found[0].shape) if has_along(first) else None
-    return _build(found, stack, along)
+    return _build(job, found, stack, along, str(folder))
 
 
 def _stored(path: Path, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -158,8 +187,23 @@ def _stored(path: Path, name: str, shape: tuple[int, ...]) -> NDArray[np.float64
 
 
 def _build(
-    wanted: list[NDArray[np.float64]], stack: Stack, along: NDArray[np.float64] | None
+    job: Job,
+    wanted: list[NDArray[np.float64]],
+    stack: Stack,
+    along: NDArray[np.float64] | None,
+    where: str,
+    departure: Departure = AS_DESIGNED,
 ) -> CellFilmMap:
-    frame = CellFrame.of(stack)
-    crossed = CellFilmMap(wanted[1], frame.turned) if len(wanted) > 1 else None
-    return CellFilmMap(wanted[0], frame, crossed, along)
+    frames = (CellFrame.of(stack), CellFrame.of(stack).turned)
+
+    def one(number: int, crossed: CellFilmMap | None) -> CellFilmMap:
+        tone, halftone, error = wanted[number], None, departure.film(number)
+        if job.halftone is not None:
+            tone = clipped_tone(job, tone) if error.pattern else tone
+            halftone = halftone_of(job, tone, where)
+        own = along if number == 0 else None
+        return CellFilmMap(
+            tone, frames[number], crossed, own, halftone, error, turned=number == 1
+        )  # fmt: skip
+
+    return one(0, one(1, None) if len(wanted) > 1 else None)

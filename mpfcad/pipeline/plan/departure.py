@@ -42,7 +42,7 @@ class PrintError:
         self, at: CellMap, cell: tuple[float, float], groove: Groove, profile: Profile
     ) -> CellMap:
         """Return a map over a cell [mm] as it is printed, or moulded."""
-        if self == PrintError():
+        if self == AS_MAPPED:
             return at
         across, along = (move / size for move, size in zip(self.shift, cell, strict=True))
         place = np.arange(_MEAN) / _MEAN
@@ -59,6 +59,9 @@ class PrintError:
             return c
 
         return printed
+
+
+AS_MAPPED = PrintError()
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,12 @@ class Departure:
 
     def film(self, number: int) -> PrintError:
         """Return how a film departs, by its number from 0."""
-        return self.films[number] if number < len(self.films) else PrintError()
+        return self.films[number] if number < len(self.films) else AS_MAPPED
+
+    def of_map(self, number: int, *, halftone: bool) -> PrintError:
+        """Return how a film's map departs: of a halftone's, its pattern; its pieces do the rest."""
+        film = self.film(number)
+        return PrintError(pattern=film.pattern) if halftone else film
 
     def of_board(self, stack: Stack, where: str) -> Stack:
         """Return a stack with the board as it is.

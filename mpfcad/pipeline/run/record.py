@@ -8,7 +8,7 @@ import numpy as np
 from mpfcad.backlight import PRISM_FILE
 from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.export import sha256
-from mpfcad.film import Process
+from mpfcad.film import HalftoneField, Process
 from mpfcad.job import FilmTable, Job
 from mpfcad.mask import Mask
 from mpfcad.mask.screen.levelled import LevelledWindow, levelled_window
@@ -17,6 +17,7 @@ from mpfcad.measure.cell.visible import worst_harmonic
 from mpfcad.pipeline.effort import TraceSetting
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.cell_map import CELL_FILES
+from mpfcad.pipeline.plan.halftone import describe_halftone
 from mpfcad.pipeline.plan.plan import CURVATURE_FILE, Plan
 from mpfcad.pipeline.plan.printed.printing import job_print_limits
 from mpfcad.pipeline.plan.restored import stored_job
@@ -42,6 +43,7 @@ DEFAULT_SOURCES = {
     "film": ("sourced", "Hsieh, MPF thesis: BEF of 25 µm × 50 µm, index-matched resin"),
     "mask": ("assumed", "default: usual screen-printing limits"),
     "cad": ("assumed", "default"),
+    "halftone": ("assumed", "default"),
     "gates": ("assumed", "default: what usually prints (docs/process.md)"),
 }
 #: Defaults that come from somewhere else than the rest of their table.
@@ -91,6 +93,8 @@ def build_record(
     colour = describe_findings_colour(plan, findings)
     if job.gates.colour_max is not None:
         gates = in_order([*gates, colour_gate(colour, job.gates.colour_max, traced)])
+    halftones = describe_halftones(plan)
+    words = [f"film{name}: {one['words']}" for name, one in zip(FILMS, halftones, strict=False)]
     return build_verification(
         name=job.name,
         gates=gates,
@@ -109,7 +113,8 @@ def build_record(
         psf=findings.psf,
         facets=findings.facets,
         colour=colour,
-        notes=left_out(plan),
+        halftone=halftones,
+        notes=[*left_out(plan), *words],
         inputs=list_inputs(plan),
         process=plan.process.describe() if plan.process else None,
         curvature=compare_curvature(plan, findings),
@@ -131,6 +136,16 @@ def describe_findings_colour(plan: Plan, findings: Findings) -> dict[str, Any] |
     if findings.colour is None or plan.stack.bands is None:
         return None
     return describe_colour(findings.colour, plan.stack.bands.wavelength)
+
+
+def describe_halftones(plan: Plan) -> list[dict[str, Any]]:
+    """Return the halftone of each film in outside names; none of a job without."""
+    found = []
+    for film in plan.films:
+        field = None if film.field_film is None else film.field_film.field
+        if isinstance(field, HalftoneField):
+            found.append(describe_halftone(film.job, field.halftone, field.piece, film.where))
+    return found
 
 
 def _eye(plan: Plan, found: Traced | None) -> dict[str, Any] | None:
@@ -243,6 +258,8 @@ def list_inputs(plan: Plan) -> list[dict[str, Any]]:
 
 def _table_inputs(job: Job, table: str) -> list[dict[str, Any]]:
     model = getattr(job, table)
+    if model is None:
+        return []
     stated = model.model_fields_set if table in job.model_fields_set else set()
     return [
         {"name": f"{table}.{key}", "value": value, **_origin(model, table, key, stated)}

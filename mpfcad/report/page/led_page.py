@@ -44,8 +44,8 @@ def write_led_page(path: Path, record: Record, films: Sequence[ShownFilm]) -> No
 
 def _result(record: Record) -> list[tuple[str, str]]:
     found = record["found"]
-    contrast = found["lamp_mura_contrast"]
-    return [
+    contrast, mould = found["lamp_mura_contrast"], record["mould"]
+    rows: list[tuple[str, str | None]] = [
         ("lamp-Mura contrast, traced from the files", with_interval(contrast, 4)),
         ("mean normal luminance [cd/m²]", with_interval(found["mean_luminance_cd_m2"], 0)),
         ("σ / mean", with_interval(found["sigma_over_mean"], 4)),
@@ -56,9 +56,11 @@ def _result(record: Record) -> list[tuple[str, str]]:
         ("least contrast of any map of this mean within the limits, by a linear model",
          number(record["model_least"]["lamp_mura_contrast"], 4)),
         ("the same for a mould's C, from 20 /mm on",
-         number(record["mould"]["lamp_mura_contrast"], 4)),
+         None if mould is None else number(mould["lamp_mura_contrast"], 4)),
         ("screen", record["printing"]["words"]),
+        *((f"film {k}", one["words"]) for k, one in enumerate(record.get("halftone", []), 1)),
     ]  # fmt: skip
+    return [(name, value) for name, value in rows if value]
 
 
 def pilot_lines(found: Record | None) -> list[str]:

@@ -173,6 +173,17 @@ def job_levelling(
     InputError
         when the job states both, a groove is not of 90°, or the resin does not run.
     """
+    return flow_levelling(job, groove, float(process.fill_fraction(smallest_ratio)), where)
+
+
+def flow_levelling(job: Job, groove: Groove, fill: float, where: str) -> float | None:
+    """Return the same of a groove by its fill, 0…1, once dried.
+
+    Raises
+    ------
+    InputError
+        as `job_levelling`.
+    """
     flow = job.process.flow
     if flow is None:
         return None
@@ -186,9 +197,8 @@ def job_levelling(
             f"{where}: process.viscosity_pa_s: expected a groove of 90° (depth = pitch/2); for "
             f"another state mask.levelling_length_mm"
         )
-    fill = float(process.fill_fraction(smallest_ratio)) / job.process.solids_fraction
     try:
-        return levelling_length(fill, groove.depth, **flow)
+        return levelling_length(fill / job.process.solids_fraction, groove.depth, **flow)
     except InputError as error:
         raise InputError(f"{where}: process.{error}") from None
 
