@@ -37,6 +37,15 @@ Confidence = Annotated[
         help="State how likely the contrast's limits are met, with every input's uncertainty.",
     ),
 ]
+EstimatorWord = Annotated[
+    str,
+    typer.Option(
+        "--estimator",
+        metavar="WAY",
+        help="Trace a cell of LEDs forward (from the LEDs), backward (from the meter), or auto: "
+        "what a pilot run finds to need less work.",
+    ),
+]
 Junit = Annotated[
     Path | None,
     typer.Option("--junit", metavar="FILE.xml", help="Write the gates as a JUnit report too."),

@@ -27,6 +27,8 @@ _COMPILED = {
 }
 
 
+#: Where paths over a cell of LEDs start, by the estimator's name.
+_WAYS = {"forward": "from the LEDs", "backward": "from the meter"}
 #: Columns of a terminal from which on there is room for a bar.
 _WIDE = 60
 
@@ -227,7 +229,8 @@ def print_trace(figures: dict[str, Any], *, as_json: bool) -> None:
     names = ["lamp_mura_contrast", "mean_luminance_cd_m2"]
     if "cell" in figures:
         across, along = (figures["cell"][f"{axis}_mm"] for axis in ("across", "along"))
-        print(f"cell {across:g} × {along:g} mm, {figures['paths'] / 1e6:.1f} M paths from the LEDs")
+        way, paths = figures["estimator"], f"{figures['paths'] / 1e6:.1f} M paths"
+        print(f"cell {across:g} × {along:g} mm, {paths} {_WAYS[way['name']]}: {way['reason']}")
         names += ["luminance_above_led_cd_m2", "sigma_over_mean"]
     else:
         print("position_pitch  luminance_cd_m2  standard_error_cd_m2")

@@ -11,6 +11,7 @@ from mpfcad.measure.angle.conoscope import ConoscopeResult, conoscope
 from mpfcad.measure.angle.survey import Survey, survey_directions
 from mpfcad.measure.camera import CameraResult, camera_image
 from mpfcad.measure.cell.block import BlockResult, block_figures
+from mpfcad.measure.cell.estimator import Estimator
 from mpfcad.measure.cell.luminance import (
     CellResult,
     compile_cell_tracer,
@@ -18,6 +19,7 @@ from mpfcad.measure.cell.luminance import (
     trace_terms,
 )
 from mpfcad.measure.cell.spread import SpreadResult, led_spread
+from mpfcad.measure.cell.tracer import can_connect, refuse_sheetless
 from mpfcad.measure.checkpoint import Checkpoints
 from mpfcad.measure.colour.screen import ColourResult, refuse_uncoloured, screen_colour
 from mpfcad.measure.contrast.contrast import contrast_of_curve
@@ -53,6 +55,7 @@ __all__ = [
     "ConoscopeResult",
     "CurveFit",
     "Estimate",
+    "Estimator",
     "FluxResult",
     "HarmonicFit",
     "Lit",
@@ -68,6 +71,7 @@ __all__ = [
     "angular_luminance",
     "block_figures",
     "camera_image",
+    "can_connect",
     "check_finite",
     "compile_cell_tracer",
     "conoscope",
@@ -84,6 +88,7 @@ __all__ = [
     "panel_luminance",
     "polarisation",
     "reach",
+    "refuse_sheetless",
     "refuse_uncoloured",
     "refuse_unpolarised",
     "relative_spread",

@@ -85,20 +85,25 @@ def camera_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
 
 def _cell_image(lit: Lit, run: TraceRun, error_goal: float) -> CameraResult:
     """Return the picture of whole cells of LEDs, at most 200 mm and `_MOST_CELLS` of them."""
-    from mpfcad.measure.cell.luminance import cell_map, cell_rounds, refuse_sheetless
+    from mpfcad.measure.cell.enough import refuse_rare
+    from mpfcad.measure.cell.pilot import choose
+    from mpfcad.measure.cell.tracer import CellTracer
     from mpfcad.optics.forward.connection import CellMeter
 
-    refuse_sheetless(lit)
     size = lit.stack.period
     bins = min(max(math.ceil(max(size) * PIXELS / EDGE), _LEAST_BINS), _MOST_BINS)
     meter = CellMeter(lit.stack.acceptance, size.across, size.along, bins)
 
+    tracer = CellTracer(lit, meter, choose(lit, meter, run).estimator)
+
     def error_of(tally: "CellTally") -> float:
-        value, error = cell_map(lit, meter, tally)
+        if not refuse_rare(tracer, tally, run.path_limit, error_goal):
+            return 1.0
+        value, error = tracer.map(tally)
         return float(np.sqrt(np.mean(error**2)) / value.mean())
 
-    tally = cell_rounds(lit, meter, run, error_of, error_goal, _FIGURE)
-    value, error = cell_map(lit, meter, tally)
+    tally = tracer.rounds(run, error_of, error_goal, _FIGURE)
+    value, error = tracer.map(tally)
     cells = [min(max(1, int(EDGE / side)), _MOST_CELLS) for side in size]
     return CameraResult(
         value, error, size[0] / bins, tally.paths, size[1] / bins, (cells[0], cells[1])

@@ -1,8 +1,10 @@
-"""The flux that leaves the stack and its share of what the lamps emit, traced both ways."""
+"""The flux that leaves the stack, its share of what the lamps emit, and where the rest goes."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, trace_rounds
@@ -10,6 +12,7 @@ from mpfcad.measure.uniformity import middle
 
 _FORWARD = "efficiency ± {:.5f} of itself"
 _BACKWARD = "exitance ± {:.5f} of itself"
+_ENERGY_BLOCKS = 256
 
 
 @dataclass(frozen=True)
@@ -92,3 +95,45 @@ def output_flux(lit: Lit, run: TraceRun, error_goal: float) -> FluxResult:
 def scaled(estimate: Estimate, factor: float) -> Estimate:
     """Return an estimate times a positive number."""
     return Estimate(*(factor * v for v in vars(estimate).values()))
+
+
+def energy_balance(lit: Lit, seed: int, threads: int) -> dict[str, Any]:
+    """Return where the light goes, from a trace from the lamps or LEDs (`energy_shares`).
+
+    In bands it is the light of the stack's one wavelength.
+    """
+    from mpfcad.optics.base.recorder import FLOWS
+    from mpfcad.optics.engine import trace
+    from mpfcad.optics.source import LAMPS, Source
+
+    source = Source(LAMPS, np.zeros(1), 0.0)
+    tally = trace(lit.scene, source, _ENERGY_BLOCKS, seed=seed, threads=threads)
+    error = float(tally.fraction_error[FLOWS.index("roulette")])
+    return energy_shares(lit, tally.fraction, error, tally.total_paths)
+
+
+def energy_shares(lit: Lit, share: NDArray[np.float64], error: float, paths: int) -> dict[str, Any]:
+    """Return where the light goes, in words, as shares of what lamps or LEDs emit.
+
+    `share` (f,) float64 is as of `recorder.Tally.fraction`; `error` the standard error of the
+    balance, that of the roulette's share.
+    """
+    from mpfcad.optics.base.recorder import FLOWS
+
+    ends = dict(zip(FLOWS, map(float, share), strict=False))
+    absorbed = {"lamps": ends["lamps"]}
+    absorbed.update({name: ends[name] for name in ("walls", "rim") if ends[name] > 0})
+    for element, part in zip(lit.elements, share[len(FLOWS) :], strict=True):
+        if part > 0:
+            absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)
+    total = sum(absorbed.values())
+    return {
+        "in": 1.0,
+        "out": ends["up"],
+        "absorbed": total,
+        "absorbed_by": absorbed,
+        "lost": ends["lost"],
+        "imbalance": 1.0 - ends["up"] - ends["down"] - total - ends["lost"],
+        "imbalance_standard_error": error,
+        "paths": paths,
+    }

@@ -10,6 +10,7 @@ from mpfcad.measure.contrast.contrast import contrast_of_curve, contrasts_of_pit
 from mpfcad.measure.contrast.curve import CurveFit, fit_curve
 from mpfcad.measure.contrast.fit import HarmonicFit, fit_harmonics
 from mpfcad.measure.estimate import Estimate
+from mpfcad.measure.flux import energy_balance
 from mpfcad.measure.glow import Glow, can_glow, find_glow
 from mpfcad.measure.judged import Judged, judged_pitches
 from mpfcad.measure.meter import POINTS, Spot, pitch_positions, refuse_dark
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
-_ENERGY_BLOCKS = 256
 #: The contrast's half-width of a smooth curve, over the points' relative error.
 _HALF_WIDTH = 0.8
 #: From so many times the paths of a first round a table is asked for.
@@ -163,7 +163,7 @@ def luminance_over_pitch(
         tuple(contrasts_of_pitches(curve, run.seed)) if lit.is_finite else (),
         judged,
         lit.spot,
-        _energy(lit, run.seed, run.threads),
+        energy_balance(lit, run.seed, run.threads),
         tally.total_paths + reader.table_paths,
         lit.accelerator,
         np.array(reader.rows),
@@ -241,35 +241,3 @@ class _Reader:
 
 def _ends(estimate: Estimate) -> tuple[float, float, float]:
     return estimate.value, estimate.low, estimate.high
-
-
-def _energy(lit: Lit, seed: int, threads: int) -> dict[str, object]:
-    """Return where the lamps' light goes, from a forward trace, as shares of what they emit.
-
-    In bands it is the light of the stack's one wavelength.
-    """
-    from mpfcad.optics.base.recorder import FLOWS
-    from mpfcad.optics.engine import trace
-    from mpfcad.optics.source import LAMPS, Source
-
-    tally = trace(
-        lit.scene, Source(LAMPS, np.zeros(1), 0.0), _ENERGY_BLOCKS, seed=seed, threads=threads
-    )
-    share = dict(zip(FLOWS, map(float, tally.fraction), strict=False))
-    error = dict(zip(FLOWS, map(float, tally.fraction_error), strict=False))
-    absorbed = {"lamps": share["lamps"]}
-    absorbed.update({name: share[name] for name in ("walls", "rim") if share[name] > 0})
-    for element, part in zip(lit.elements, tally.fraction[len(FLOWS) :], strict=True):
-        if part > 0:
-            absorbed[element.name] = absorbed.get(element.name, 0.0) + float(part)
-    total = sum(absorbed.values())
-    return {
-        "in": 1.0,
-        "out": share["up"],
-        "absorbed": total,
-        "absorbed_by": absorbed,
-        "lost": share["lost"],
-        "imbalance": 1.0 - share["up"] - share["down"] - total - share["lost"],
-        "imbalance_standard_error": error["roulette"],
-        "paths": tally.total_paths,
-    }

@@ -10,6 +10,7 @@ import numpy as np
 
 from mpfcad.backlight.stack import Stack
 from mpfcad.errors import TraceError
+from mpfcad.measure.cell.estimator import Estimator
 from mpfcad.measure.checkpoint import AnyTally, Checkpoints, Sums
 from mpfcad.measure.contrast.blur import is_blurred
 from mpfcad.measure.meter import Spot, meter_spot
@@ -77,7 +78,7 @@ class TraceState(NamedTuple):
 
 @dataclass(frozen=True)
 class TraceRun:
-    """How to trace: seed, threads, where checkpoints lie and who watches.
+    """How to trace: seed, threads, where checkpoints lie, who watches, which way under LEDs.
 
     `progress` is called after each block of paths; figures do not depend on it, on `threads` or on
     `checkpoints`. Lost paths are refused, unless a gate judges them (`judged`).
@@ -89,6 +90,7 @@ class TraceRun:
     checkpoints: Checkpoints = field(default_factory=Checkpoints)
     progress: Callable[[TraceState], None] | None = None
     judged: bool = False
+    estimator: Estimator = Estimator.auto
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ same bits at any thread count.
 """
 
 from collections.abc import Callable
-from operator import add
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from mpfcad.optics.base.kernel import entry, kernel
 from mpfcad.optics.base.lanes import LANES
 from mpfcad.optics.base.net import NET
-from mpfcad.optics.base.recorder import FLOWS, Tally
+from mpfcad.optics.base.recorder import FLOWS, Adding, Block, Tally, Total
 from mpfcad.optics.base.sampling import start_net_path
 from mpfcad.optics.base.sampling_lanes import net_keys
 from mpfcad.optics.base.thread import add_in_order
@@ -257,31 +256,50 @@ def trace(
     block comes in.
     """
     points = len(source.position)
+    adding, numbers = Tally.adding(points, flow_count(scene, points)), range(first, first + blocks)
+    return trace_blocks(
+        scene, source, numbers, adding, seed=seed, threads=threads, after_block=after_block
+    )
+
+
+def trace_blocks(
+    scene: Scene,
+    source: Source,
+    blocks: range,
+    adding: Adding[Total],
+    *,
+    seed: int,
+    threads: int,
+    after_block: Callable[[], None] | None = None,
+) -> Total:
+    """Return what numbered blocks of paths add up to; else as `trace`."""
+    points = len(source.position)
     flows = flow_count(scene, points)
 
-    def polarised(block: int) -> Tally:
+    def polarised(block: int) -> Total:
         stokes, flow = np.empty((BLOCK, points, 1)), np.zeros(flows)
-        trace_block(scene, source, block, seed, stokes, flow)
-        return Tally.of_block(stokes[:, :, 0], flow)
+        passed = trace_block(scene, source, block, seed, stokes, flow)
+        return adding.of_block(Block(block, stokes[:, :, 0], flow, passed))
 
     # Memory that threads hand on: asking for it anew took 5 % on a film alone.
     scratch: list[Any] = []
 
-    def one(block: int) -> Tally:
+    def one(block: int) -> Total:
         try:
             wave, radiance = scratch.pop()
         except IndexError:
             wave, radiance = Wave.empty(len(scene.kind), points), np.empty((BLOCK, points))
         flow = np.zeros(flows)
+        wave.passed[0] = 0
         trace_paths(
             scene, source, np.uint64(seed), np.uint64(source.kind),
             np.uint64(block * radiance.size), wave, radiance.reshape(-1), flow, NO_NET,
         )  # fmt: skip
-        tally = Tally.of_block(radiance, flow)
+        total = adding.of_block(Block(block, radiance, flow, int(wave.passed[0])))
         scratch.append((wave, radiance))
-        return tally
+        return total
 
     return add_in_order(
-        polarised if scene.polarised else one, range(first, first + blocks), add,
-        Tally.empty(points, flows), threads=threads, after=after_block,
+        polarised if scene.polarised else one, blocks, adding.join, adding.empty,
+        threads=threads, after=after_block,
     )  # fmt: skip

@@ -101,11 +101,17 @@ def look(tilt_x, tilt_y, acceptance, px, py):
 
 
 @kernel
+def start_place(source, length, point, rng):
+    """Return where a path starts, (x, y), of a point's spot that is so long."""
+    x = source.position[point] + (uniform(rng) - 0.5) * source.spot
+    return x, source.along[point] + (uniform(rng) - 0.5) * length
+
+
+@kernel
 def start_ray(scene, source, point, rng):
     """Return the first (element, up, x, y, z, dx, dy, dz, lamp) of a path."""
-    x = source.position[point] + (uniform(rng) - 0.5) * source.spot
     length = source.spot_along if source.spot_along > 0.0 else scene.length
-    y = source.along[point] + (uniform(rng) - 0.5) * length
+    x, y = start_place(source, length, point, rng)
     last = len(scene.kind) - 1
     px, py = disk(rng)
     if source.kind == EYE:

@@ -46,6 +46,8 @@ class Wave(NamedTuple):
         (16,) int64, (16, 8) float64, scratch of the rays in lanes
     net_key
         (n, 8) int64, the keys of the points' nets, and round again
+    passed
+        (1,) int64, how many rays have been through an element: the work done, which no clock tells
     """
 
     place: NDArray[np.float64]
@@ -64,6 +66,7 @@ class Wave(NamedTuple):
     lane_row: NDArray[np.int64]
     lane_flow: NDArray[np.float64]
     net_key: NDArray[np.int64]
+    passed: NDArray[np.int64]
 
     @classmethod
     def empty(cls, elements: int, points: int = 0) -> "Wave":
@@ -81,7 +84,7 @@ class Wave(NamedTuple):
             aligned((SLOTS + 1, RNG_SIZE), np.uint64),
             whole(elements, SLOTS), whole(elements), whole(SLOTS), whole(SLOTS),
             whole(2 * (LANES + WIDE)), whole(WIDE), real(WIDE, 8),
-            whole(-(-points // LANES) + 1 if points else 0, LANES),
+            whole(-(-points // LANES) + 1 if points else 0, LANES), whole(1),
         )  # fmt: skip
 
 
@@ -103,4 +106,5 @@ def take_longest(wave):
     for i in range(waiting):
         wave.batch[i] = wave.queue[best, i]
     wave.length[best] = 0
+    wave.passed[0] += waiting
     return best, waiting

@@ -5,7 +5,7 @@ values; `describe_…` does the same for single measures. Nothing here draws or 
 """
 
 from mpfcad.gate import OUTCOMES, Gate, Outcome, exit_code, worst_outcome
-from mpfcad.record.cell import describe_cell
+from mpfcad.record.cell import describe_cell, describe_estimator
 from mpfcad.record.colour import describe_colour
 from mpfcad.record.difference import Rounded, compare_records
 from mpfcad.record.file import ResinCheck
@@ -59,6 +59,7 @@ __all__ = [
     "describe_conoscope",
     "describe_contrast",
     "describe_estimate",
+    "describe_estimator",
     "describe_flux",
     "describe_luminance",
     "describe_panel",

@@ -49,7 +49,19 @@ def describe_cell(
         "semu": _semu(result),
         "energy": result.energy,
         "paths": int(result.paths),
+        "estimator": describe_estimator(result),
         "accelerator": result.accelerator,
+    }
+
+
+def describe_estimator(result: CellResult) -> dict[str, Any]:
+    """Return which way a cell was traced, why, and what the goal takes that was not reached."""
+    choice = result.choice
+    return {
+        "name": choice.estimator.value,
+        "reason": choice.reason,
+        "work": {way.value: work for way, work in choice.work} or None,
+        "paths_to_goal": result.paths_to_goal,
     }
 
 

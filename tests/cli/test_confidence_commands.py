@@ -9,7 +9,7 @@ from jsonschema import validate
 
 from mpfcad.cli import run_app
 from mpfcad.confidence import probability
-from mpfcad.measure import POINTS, luminance, rounds
+from mpfcad.measure import POINTS, flux, rounds
 from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.confidence import runs as confidence_runs
 from mpfcad.pipeline.confidence.runs import Runs
@@ -47,7 +47,7 @@ def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(rounds, "LEAST_PATHS", 30_000)
-    monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 8)
+    monkeypatch.setattr(flux, "_ENERGY_BLOCKS", 8)
     monkeypatch.setattr(probability, "_RESPONSES", 20)
     monkeypatch.setattr(confidence_runs, "_SMOOTH", 0.05)
     monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(10.0, 1000))

@@ -5,6 +5,7 @@ import pytest
 from tone_process import CALIBRATION, GROOVE
 
 from mpfcad.job import build_job
+from mpfcad.measure.cell.estimator import Choice, Estimator
 from mpfcad.measure.cell.luminance import CellResult
 from mpfcad.measure.cell.series import CellSeries
 from mpfcad.measure.estimate import Estimate
@@ -15,6 +16,7 @@ from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 
 ORDER = np.array([[i, k] for i in (0, 1, 3) for k in (0, 1, 3)])
+WAY = Choice(Estimator.forward, "asked for")
 
 
 def plan_of(folder, deviation=None, **tables):
@@ -40,7 +42,7 @@ def flat():
     coefficient[0] = 100.0
     series = CellSeries(ORDER, coefficient, np.eye(len(ORDER)) * 1e-6, 99.0, 0.0)
     one, cell = Estimate(0.0, 0.0, 0.0, 0.0), np.ones((24, 24))
-    return CellResult((4.0, 4.0), series, one, one, cell, cell, {}, 1_000_000, "", True)
+    return CellResult((4.0, 4.0), series, one, one, cell, cell, {}, 1_000_000, "", True, WAY)
 
 
 def libraries(plan):
@@ -74,7 +76,7 @@ def test_changed_films_are_what_is_traced(tmp_path):
 def test_the_width_of_the_process_is_that_of_the_contrast_as_printed(tmp_path, monkeypatch):
     plan = plan_of(tmp_path, 0.3)
 
-    def trace(lit, order, paths, seed, threads):
+    def trace(lit, order, paths, seed, threads, estimator):
         """Return light with a cosine along x of what the resin gains."""
         value = np.zeros(len(order))
         value[0] = 100.0

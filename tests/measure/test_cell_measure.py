@@ -8,7 +8,6 @@ from harness import BARE, film_mesh
 
 from mpfcad.backlight import read_stack
 from mpfcad.cli.terminal import print_trace
-from mpfcad.errors import InputError
 from mpfcad.measure import TraceRun, light_film, luminance_over_cell
 from mpfcad.measure.cell.series import fit_series
 from mpfcad.record import describe_cell
@@ -113,9 +112,11 @@ def test_a_traced_cell_goes_through_record_page_and_terminal(found, capsys):
     assert "cell 12.15 × 12.15 mm" in capsys.readouterr().out
 
 
-def test_a_cell_needs_a_sheet_on_top(tmp_path):
-    path = tmp_path / "own.toml"
-    path.write_text('extends = "led-automotive-6mm"\nlayers = ["bottom_sheet", "clear_plate"]\n')
-    lit = light_film(read_stack(path), None)
-    with pytest.raises(InputError, match="expected a sheet"):
-        luminance_over_cell(lit, TraceRun())
+def test_means_over_bins_are_those_of_the_series():
+    rng = np.random.default_rng(5)
+    found = series(rng, {(1, 0): 0.3, (2, 5): 0.2, (0, 6): 0.1}, 1e-9, mirrored=False)
+    fine = (np.arange(24 * 40) + 0.5) / (24 * 40) - 0.5
+    u, v = (part.ravel() for part in np.meshgrid(fine, fine, indexing="ij"))
+    value = found.at(u, v) @ found.coefficient
+    expected = value.reshape(24, 40, 24, 40).mean(axis=(1, 3))
+    assert np.allclose(found.bin_means(24), expected, atol=1e-4)

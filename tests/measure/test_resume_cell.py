@@ -1,12 +1,13 @@
 """An interrupted trace from LEDs goes on where it was, with the bits of one never interrupted."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 
 from mpfcad.backlight import read_stack
 from mpfcad.measure import (
     Checkpoints,
+    Estimator,
     TraceRun,
     camera_image,
     led_spread,
@@ -35,6 +36,11 @@ def spread(lit, run):
     return led_spread(lit, run, GOAL)
 
 
+def backward(lit, run):
+    run = replace(run, estimator=Estimator.backward)
+    return luminance_over_cell(lit, run, half_width_goal=GOAL)
+
+
 @pytest.fixture(scope="module")
 def lit(tmp_path_factory):
     file = tmp_path_factory.mktemp("board") / "board.toml"
@@ -51,7 +57,7 @@ def traced(measure, lit, folder, progress=None, threads=1):
         return measure(lit, TraceRun(5, threads, LIMIT, checkpoints, progress))
 
 
-@pytest.mark.parametrize("measure", [contrast, camera, spread])
+@pytest.mark.parametrize("measure", [contrast, camera, spread, backward])
 def test_a_resumed_trace_has_the_bits_of_an_uninterrupted_one(tmp_path, lit, measure):
     whole = traced(measure, lit, None)
     done = []

@@ -8,6 +8,7 @@ import typer
 from mpfcad.cli.option import (
     Confidence,
     Effort,
+    EstimatorWord,
     Json,
     OffsetMm,
     Seed,
@@ -43,6 +44,7 @@ def command(
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
     confidence: Confidence = False,
+    estimator: EstimatorWord = "auto",
     threads: Threads = None,
     json: Json = False,
     out: Annotated[
@@ -67,7 +69,7 @@ def command(
         terminal.stage(f"reading {source}")
         case = read_case(source, stack, thickness_mm, offset_mm)
         folder = out or default_measure_out(case)
-        measuring = Measuring(seed, effort.value, threads)
+        measuring = Measuring(seed, effort.value, threads, estimator)
         record = measure_film(
             case, chosen or default_what(case), folder, measuring, terminal, confidence=confidence
         )

@@ -5,7 +5,15 @@ from typing import Annotated
 
 import typer
 
-from mpfcad.cli.option import Confidence, Effort, Json, Seed, StandardEffort, Threads
+from mpfcad.cli.option import (
+    Confidence,
+    Effort,
+    EstimatorWord,
+    Json,
+    Seed,
+    StandardEffort,
+    Threads,
+)
 
 
 def command(
@@ -39,6 +47,7 @@ def command(
     seed: Seed = 1,
     effort: StandardEffort = Effort.standard,
     confidence: Confidence = False,
+    estimator: EstimatorWord = "auto",
     threads: Threads = None,
     json: Json = False,
 ) -> int:
@@ -49,7 +58,7 @@ def command(
     with Terminal() as terminal:
         figures = trace_mesh(
             mesh, stack, thickness_mm, offset_mm, seed, effort.value, threads, terminal, prism,
-            repair, confidence,
+            repair, confidence, estimator,
         )  # fmt: skip
     print_trace(figures, as_json=json)
     return 0

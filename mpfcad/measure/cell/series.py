@@ -47,6 +47,16 @@ class CellSeries:
         across, along = (_terms(place, int(self.order.max())) for place in (u, v))
         return across[:, self.order[:, 0]] * along[:, self.order[:, 1]]
 
+    def bin_means(self, bins: int) -> NDArray[np.float64]:
+        """Return the means over so many equal bins along each axis, (b, b) float64 [cd/m²]."""
+        middle = (np.arange(bins) + 0.5) / bins - 0.5
+        terms = _terms(middle, int(self.order.max()))
+        # A wave's mean over a bin is its middle's times sin(πh/b)/(πh/b).
+        terms = terms * np.sinc((np.arange(terms.shape[1]) + 1) // 2 / bins)
+        whole = np.zeros(2 * (terms.shape[1],))
+        whole[self.order[:, 0], self.order[:, 1]] = self.coefficient
+        return np.asarray(terms @ whole @ terms.T)
+
     @property
     def harmonics(self) -> int:
         """Highest harmonic along an axis."""

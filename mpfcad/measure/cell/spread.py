@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.measure.cell.luminance import refuse_sheetless
+from mpfcad.measure.cell.tracer import refuse_sheetless
 from mpfcad.measure.estimate import Estimate
 from mpfcad.measure.rounds import Lit, TraceRun, in_rounds
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.measure.cell.luminance import can_connect, cell_scale
+from mpfcad.measure.cell.tracer import can_connect, cell_scale
 from mpfcad.measure.colour.chromaticity import (
     Colour,
     colour_of,

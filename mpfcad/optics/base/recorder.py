@@ -1,6 +1,8 @@
 """What a trace leaves: sums of scores and of where the light went, and their standard errors."""
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from operator import add
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,37 @@ FLOWS = ("up", "down", "lost", "roulette", "lamps", "walls", "rim")
 FLOW_UP, FLOW_DOWN, FLOW_LOST, FLOW_ROULETTE, FLOW_LAMPS, FLOW_WALLS, FLOW_RIM = range(len(FLOWS))
 FLOW_ELEMENTS = len(FLOWS)
 _SHARED = 30
+
+Total = TypeVar("Total")
+
+
+class Block(NamedTuple):
+    """What one block of paths gave.
+
+    Attributes
+    ----------
+    number
+        of the block
+    radiance
+        (n, p) float64, of each path of each point; may be overwritten
+    flow
+        (f,) float64, sums of where the weights went
+    passed
+        how many times an element was passed
+    """
+
+    number: int
+    radiance: NDArray[np.float64]
+    flow: NDArray[np.float64]
+    passed: int
+
+
+class Adding(NamedTuple, Generic[Total]):
+    """How blocks are added up: the sum of none, that of one, that of two sums."""
+
+    empty: Total
+    of_block: Callable[[Block], Total]
+    join: Callable[[Total, Total], Total]
 
 
 class Tally(NamedTuple):
@@ -42,6 +75,13 @@ class Tally(NamedTuple):
         """Return a tally of no paths."""
         radiance, square, paths = np.zeros(points), np.zeros(points), np.zeros(points)
         return cls(radiance, square, paths, np.zeros(flows), np.zeros(flows), 0, 0)
+
+    @classmethod
+    def adding(cls, points: int, flows: int) -> "Adding[Tally]":
+        """Return how blocks of paths become a tally."""
+        return Adding(
+            cls.empty(points, flows), lambda block: cls.of_block(block.radiance, block.flow), add
+        )
 
     @classmethod
     def of_block(cls, radiance: NDArray[np.float64], flow: NDArray[np.float64]) -> "Tally":

@@ -54,6 +54,9 @@ class CellTally(NamedTuple):
         (f,) float64, as of `recorder.Tally`
     paths, blocks
         how many
+    lit, passed
+        paths that found light, of those from the LEDs all; how many times an element was passed or
+        a ray joined with the meter: the work done
     """
 
     score: NDArray[np.float64]
@@ -63,6 +66,8 @@ class CellTally(NamedTuple):
     flow2: NDArray[np.float64]
     paths: int
     blocks: int
+    lit: int
+    passed: int
 
     @property
     def total_paths(self) -> int:
@@ -74,7 +79,16 @@ class CellTally(NamedTuple):
         """Return the tally of no paths."""
         n, m = TERMS * TERMS, meter.bins * meter.bins
         flow = np.zeros(flows), np.zeros(flows)
-        return cls(np.zeros(n + m), np.zeros((n, n)), np.zeros(m), *flow, 0, 0)
+        return cls(np.zeros(n + m), np.zeros((n, n)), np.zeros(m), *flow, 0, 0, 0, 0)
+
+    @classmethod
+    def of_block(
+        cls, score: NDArray[np.float64], flow: NDArray[np.float64], lit: int, passed: int
+    ) -> "CellTally":
+        """Return the tally of one block by the sums of its paths."""
+        n = TERMS * TERMS
+        outer = np.outer(score[:n], score[:n])
+        return cls(score, outer, score[n:] ** 2, flow, flow**2, BLOCK, 1, lit, passed)
 
     def plus(self, other: "CellTally") -> "CellTally":
         """Return the tally of both."""
@@ -82,6 +96,7 @@ class CellTally(NamedTuple):
             self.score + other.score, self.outer + other.outer, self.square + other.square,
             self.flow + other.flow, self.flow2 + other.flow2,
             self.paths + other.paths, self.blocks + other.blocks,
+            self.lit + other.lit, self.passed + other.passed,
         )  # fmt: skip
 
 
@@ -114,6 +129,7 @@ def begin(scene, seed, path, slot, wave, hue):
 def arrive(scene, meter, slot, wave, hue, terms, score):
     """Score what the topmost sheet sends into the meter of a ray that comes up to it."""
     p, last = wave.place[slot], len(scene.kind) - 1
+    wave.passed[0] += 1
     value = wave.weight[slot] * turned_into(
         scene.parameter[last], meter.acceptance, p[3], p[4], p[5], wave.rng[slot]
     )
@@ -193,28 +209,31 @@ def refuse_unconnected(scene: Scene) -> None:
 
 def trace_one(
     scene: Scene, meter: CellMeter, seed: int, block: int, spectral: Spectral | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the sums of one block: what the meter scores, and the flow."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Return the sums of one block: what the meter scores, the flow, and the work done."""
     score = np.zeros(meter.size(len(scene.led)))
-    flow = np.zeros(len(FLOWS) + len(scene.kind))
+    flow, passed = np.zeros(len(FLOWS) + len(scene.kind)), 0
     for part, share, hue in _scenes(scene, spectral, 0):
-        score += share * _traced(part, meter, seed, block, flow, hue)
-    return score, flow
+        found, work = _traced(part, meter, seed, block, flow, hue)
+        score += share * found
+        passed += work
+    return score, flow, passed
 
 
 def _traced(
     scene: Scene, meter: CellMeter, seed: int, block: int, flow: NDArray[np.float64],
     hue: Hue | None,
-) -> NDArray[np.float64]:  # fmt: skip
-    """Return what the meter scores of one block; `flow` and `hue` get theirs."""
+) -> tuple[NDArray[np.float64], int]:  # fmt: skip
+    """Return what the meter scores of one block, and the work done; `flow`, `hue` get theirs."""
     score = np.zeros(meter.size(len(scene.led)))
     paths = scene, meter, np.uint64(seed), np.uint64(block * BLOCK), BLOCK
-    scratch = Wave.empty(len(scene.kind)), np.zeros((2, TERMS))
+    wave = Wave.empty(len(scene.kind))
+    scratch = wave, np.zeros((2, TERMS))
     if scene.polarised:
         trace_polarised_cell(*paths, *scratch, np.zeros(LIGHT_SHAPE), score, flow, hue)
     else:
         trace_cell(*paths, *scratch, score, flow, hue)
-    return score
+    return score, int(wave.passed[0])
 
 
 def trace_parts(
@@ -237,7 +256,7 @@ def trace_parts(
     def one(block: int) -> list[NDArray[np.float64]]:
         found, flow = [], np.zeros(spectral.flows)
         for scene, _, hue in _scenes(first, spectral, bins):
-            score = _traced(scene, meter, seed, block, flow, hue)
+            score, _ = _traced(scene, meter, seed, block, flow, hue)
             if hue is not None:
                 return [hue.score]
             found.append(score[TERMS * TERMS :])
@@ -271,12 +290,10 @@ def trace_forward(
         when there is no sheet on top to connect from.
     """
     flows = len(FLOWS) + len(scene.kind)
-    n = TERMS * TERMS
 
     def one(block: int) -> CellTally:
-        score, flow = trace_one(scene, meter, seed, block, spectral)
-        outer = np.outer(score[:n], score[:n])
-        return CellTally(score, outer, score[n:] ** 2, flow, flow**2, BLOCK, 1)
+        score, flow, passed = trace_one(scene, meter, seed, block, spectral)
+        return CellTally.of_block(score, flow, BLOCK, passed)
 
     refuse_unconnected(scene)
     return add_in_order(

@@ -73,7 +73,8 @@ def trace_spread(
     refuse_unconnected(scene)
 
     def one(block: int) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
-        return block, *trace_one(scene, meter, seed, block)
+        score, flow, _ = trace_one(scene, meter, seed, block)
+        return block, score, flow
 
     def added(
         total: SpreadTally, part: tuple[int, NDArray[np.float64], NDArray[np.float64]]

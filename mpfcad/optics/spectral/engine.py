@@ -10,7 +10,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from operator import add
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from mpfcad.errors import TraceError
 from mpfcad.optics.base.kernel import entry
 from mpfcad.optics.base.net import NET
-from mpfcad.optics.base.recorder import FLOWS, Tally
+from mpfcad.optics.base.recorder import FLOWS, Adding, Block, Tally, Total
 from mpfcad.optics.base.thread import add_in_order
 from mpfcad.optics.caught import NO_NET
 from mpfcad.optics.engine import pass_queue, refill, trace_paths
@@ -189,16 +188,29 @@ def trace_luminance(
 
     Its flows are those of the weight by which paths are drawn.
     """
-    points = len(source.position)
+    return luminance_blocks(
+        spectral, source, range(first, first + blocks),
+        Tally.adding(len(source.position), spectral.flows), seed=seed, threads=threads,
+        after_block=after_block,
+    )  # fmt: skip
 
-    def one(work: Any, block: int) -> Tally:
+
+def luminance_blocks(
+    spectral: Spectral, source: Source, blocks: range, adding: Adding[Total], *, seed: int,
+    threads: int, after_block: Callable[[], None] | None = None,
+) -> Total:  # fmt: skip
+    """Return what luminances of numbered blocks add up to, as `engine.trace_blocks` does."""
+
+    def one(work: Any, block: int) -> Total:
         flow = np.zeros(spectral.flows)
+        work.wave.passed[0] = 0
         work.trace(source, block, seed, flow)
-        return Tally.of_block(work.radiance, flow)
+        return adding.of_block(Block(block, work.radiance, flow, int(work.wave.passed[0])))
 
-    empty = Tally.empty(points, spectral.flows)
-    return _all(spectral, source, 1, one, add, empty, range(first, first + blocks), threads,
-                after_block)  # fmt: skip
+    total: Total = _all(
+        spectral, source, 1, one, adding.join, adding.empty, blocks, threads, after_block
+    )
+    return total
 
 
 def trace_channels(

@@ -42,6 +42,7 @@ def pass_on(scene, e, wave, flow, light, hue):
         wave.weight[ONLY], flow, light, None, hue, wave.rng[ONLY],
     )  # fmt: skip
     wave.way[ONLY], wave.lamp[ONLY] = way, NO_LAMP
+    wave.passed[0] += 1
     e, seen = _leave(scene, e, wave, flow, hue)
     return e, found + seen
 
@@ -137,7 +138,7 @@ class PolarisedWork:
         self.radiance[:] = 0.0
         found = np.empty((*self.radiance.shape, self.stokes.shape[1]))
         for band, scene in enumerate(self.scenes):
-            trace_block(scene, source, block, seed, found, flow)
+            self.wave.passed[0] += trace_block(scene, source, block, seed, found, flow)
             self.radiance += self.colour[band, 1] * found[:, :, 0]
             self.stokes[:, :, band] = found.sum(axis=0)
         flow /= len(self.scenes)

@@ -23,9 +23,10 @@ def trace_polarised(scene, source, seed, stream, first, light, rng, stokes, flow
     """Follow paths `first` and on; put what the meters see of each into stokes (n, 4) or (n, 1).
 
     They are I, Q, U and V of the light that comes to the meter, in the axes of `start_light`.
-    light (5, 4), rng (8,): scratch. flow (f,) gets the sums of where the weights went.
+    light (5, 4), rng (8,): scratch. flow (f,) gets the sums of where the weights went. Returned is
+    how many times an element was passed.
     """
-    points, rows = uint64(len(source.position)), stokes.shape[1]
+    points, rows, passed = uint64(len(source.position)), stokes.shape[1], 0
     for i in range(len(stokes)):
         path = first + uint64(i)
         start_net_path(rng, seed, stream, path, points)
@@ -39,12 +40,14 @@ def trace_polarised(scene, source, seed, stream, first, light, rng, stokes, flow
                 scene, e, up, x, y, z, dx, dy, dz, lamp, weight, flow, light, None, None, rng
             )
             lamp = NO_LAMP
+            passed += 1
             up = way > 0
             e, weight, seen = next_element(scene, e, way, x, y, weight, flow, None, rng)
             # No element changes the rows' intensities after it has found light.
             if found + seen > 0.0:
                 for j in range(rows):
                     stokes[i, j] += (found + seen) * light[j, 0]
+    return passed
 
 
 def compile_polarised_tracer(scene: Scene, source: Source) -> None:
@@ -55,13 +58,17 @@ def compile_polarised_tracer(scene: Scene, source: Source) -> None:
 def trace_block(
     scene: Scene, source: Source, block: int, seed: int, stokes: NDArray[np.float64],
     flow: NDArray[np.float64],
-) -> None:  # fmt: skip
-    """Trace a block of paths: stokes (n, p, 4) or (n, p, 1) gets what each sees, flow (f,) sums."""
-    trace_polarised(
+) -> int:  # fmt: skip
+    """Trace a block of paths: stokes (n, p, 4) or (n, p, 1) gets what each sees, flow (f,) sums.
+
+    Returned is how many times an element was passed.
+    """
+    passed: int = trace_polarised(
         scene, source, np.uint64(seed), np.uint64(source.kind),
         np.uint64(block * stokes.shape[0] * stokes.shape[1]), np.zeros(LIGHT_SHAPE),
         np.zeros(RNG_SIZE, np.uint64), stokes.reshape(-1, stokes.shape[2]), flow,
     )  # fmt: skip
+    return passed
 
 
 def trace_stokes(

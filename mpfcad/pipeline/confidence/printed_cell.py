@@ -39,6 +39,7 @@ class CellRuns(Runs):
         progress: Progress,
     ) -> None:
         self.plan, self.films, self.series = plan, films, found.series
+        self.estimator = found.choice.estimator
         wanted = np.concatenate([film.wanted.ravel() for film in films])
         ends = float(wanted.min()), float(wanted.max())
         if plan.job.halftone is not None:  # one ratio is printed, whatever levelling makes of it
@@ -103,7 +104,7 @@ class CellRuns(Runs):
         paths = blocks * _PITCH_BLOCK
         lit = self.light(steps)
         value, covariance, traced = trace_terms(
-            lit, self.series.order, paths, self.seed, self.threads
+            lit, self.series.order, paths, self.seed, self.threads, self.estimator
         )
         self.paths += traced
         return value[1:] / value[0], covariance[1:, 1:] / value[0] ** 2

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpfcad.measure import Checkpoints, Lit, TraceRun
+from mpfcad.measure import Checkpoints, Estimator, Lit, TraceRun
 from mpfcad.pipeline.confidence.find import Asked, confidence_of
 from mpfcad.pipeline.confidence.runs import reading_of_points
 from mpfcad.pipeline.effort import (
@@ -15,6 +15,7 @@ from mpfcad.pipeline.effort import (
     available_threads,
     over_pitches,
 )
+from mpfcad.pipeline.estimator import chosen_estimator, note_estimator
 from mpfcad.pipeline.measure.case import Case
 from mpfcad.pipeline.progress import Progress
 from mpfcad.pipeline.psf import describe_psf
@@ -41,12 +42,14 @@ class Measuring:
     seed: int = 1
     effort: str = "standard"
     threads: int | None = None
+    estimator: str = Estimator.auto.value
 
-    def run(self, progress: Progress, checkpoints: Any) -> TraceRun:
-        """Return how to trace."""
+    def run(self, lit: Lit, progress: Progress, checkpoints: Any) -> TraceRun:
+        """Return how to trace a film in its stack."""
         return TraceRun(
             self.seed, self.threads or available_threads(),
             TRACE_SETTINGS[self.effort].path_limit, checkpoints, progress.trace,
+            estimator=chosen_estimator(self.estimator, lit),
         )  # fmt: skip
 
 
@@ -72,13 +75,16 @@ def _measured(case: Case, name: str, measuring: Measuring, progress: Progress) -
 
     store = Store.open(progress.note)
     what = {"what": name, "seed": measuring.seed, "effort": measuring.effort}
+    what |= {"estimator": measuring.estimator}
     key = work_key("figure", {**case.lit.case, **what, "schema": MEASUREMENT_SCHEMA})
     kept = store.read_json("figure", key)
     if kept is not None:
         return kept
     with Checkpoints(store) as checkpoints:
-        run = measuring.run(progress, checkpoints)
-        return store.keep_json("figure", key, _MEASURE[name](case.lit, run, measuring.effort))
+        run = measuring.run(case.lit, progress, checkpoints)
+        found = store.keep_json("figure", key, _MEASURE[name](case.lit, run, measuring.effort))
+    note_estimator(found.get("estimator"), progress)
+    return found
 
 
 def case_confidence(

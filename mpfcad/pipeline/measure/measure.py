@@ -7,6 +7,7 @@ from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.measure import Lit
 from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.estimator import chosen_estimator
 from mpfcad.pipeline.measure.case import Case, baseline_case
 from mpfcad.pipeline.measure.figures import (
     CELL_WHAT,
@@ -37,9 +38,12 @@ def default_measure_out(case: Case) -> Path:
 
 def default_what(case: Case) -> tuple[str, ...]:
     """Return everything that can be measured on a case."""
+    from mpfcad.measure import can_connect
+
     coloured, is_cell = case.lit.spectral is not None, case.lit.is_cell
+    connected = is_cell and can_connect(case.lit)
     lacks = {"panel": not case.lit.is_finite, "polarisation": not case.lit.stack.polarised,
-             "colour": not coloured, **dict.fromkeys(ONLY_CELL, not is_cell)}  # fmt: skip
+             "colour": not coloured, **dict.fromkeys(ONLY_CELL, not connected)}  # fmt: skip
     lacks |= dict.fromkeys(UNBANDED, True) if coloured else {}
     return tuple(name for name in (CELL_WHAT if is_cell else WHAT) if not lacks.get(name))
 
@@ -94,6 +98,7 @@ def measure_film(
             raise InputError(
                 f"--confidence: --what {','.join(what)}: expected contrast among what is measured"
             )
+    chosen_estimator(measuring.estimator, case.lit)
     with export_folder(out, "measure") as folder:
         record = measurement(case, what, measuring, progress)
         if confidence:

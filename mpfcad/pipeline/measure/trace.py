@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpfcad.errors import InputError
-from mpfcad.measure import Checkpoints
+from mpfcad.measure import Checkpoints, Estimator
 from mpfcad.pipeline.effort import MEASURE_SETTINGS, TRACE_SETTINGS, available_threads, over_pitches
+from mpfcad.pipeline.estimator import chosen_estimator, note_estimator
 from mpfcad.pipeline.measure.case import Case, mesh_case
 from mpfcad.pipeline.progress import SILENT, Progress
 from mpfcad.pipeline.run.repair import repair_mesh
@@ -39,6 +40,7 @@ def trace_mesh(
     prism: Path | None = None,
     repair: bool = False,
     confidence: bool = False,
+    estimator: str = Estimator.auto.value,
 ) -> dict[str, Any]:
     """Trace any closed film mesh in a stack, or a stack that has none; return the figures.
 
@@ -46,6 +48,7 @@ def trace_mesh(
     edge from a lamp's axis [mm]; `prism` the mesh without resin, where light sees it.
     With `repair` a mesh that is no solid is repaired into a file beside it, which is traced; with
     `confidence` also how likely the usual limits are met with every input's uncertainty.
+    `estimator` is the way to trace a cell of LEDs.
 
     Raises
     ------
@@ -83,13 +86,16 @@ def trace_mesh(
         refuse_confidence(backlight)
     case = mesh_case(mesh, backlight, offset)
     lit = case.lit
+    way = chosen_estimator(estimator, lit)
     with Checkpoints(Store.open(progress.note)) as checkpoints:
         run = TraceRun(
-            seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace
-        )
+            seed, threads or available_threads(), setting.path_limit, checkpoints, progress.trace,
+            estimator=way,
+        )  # fmt: skip
         goal = setting.half_width_goal
         if lit.is_cell:
             figures = describe_cell(luminance_over_cell(lit, run, half_width_goal=goal), seed)
+            note_estimator(figures["estimator"], progress)
         else:
             found = luminance_over_pitch(lit, over_pitches(run, lit), half_width_goal=goal)
             figures = describe_luminance(found)

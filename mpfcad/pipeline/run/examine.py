@@ -21,6 +21,7 @@ from mpfcad.gate import Gate
 from mpfcad.mask import Mask, MaskCheck
 from mpfcad.mask.screen.printing import Printing
 from mpfcad.measure import (
+    CellResult,
     Checkpoints,
     ColourResult,
     Lit,
@@ -28,12 +29,14 @@ from mpfcad.measure import (
     Survey,
     TraceRun,
     light_film,
+    refuse_sheetless,
     screen_colour,
     survey_directions,
 )
 from mpfcad.pipeline.confidence.find import find_confidence
 from mpfcad.pipeline.confidence.printed import find_printed
 from mpfcad.pipeline.effort import TraceSetting, available_threads
+from mpfcad.pipeline.estimator import note_estimator
 from mpfcad.pipeline.kind import Print, kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.plan.printed.printing import plan_printing
@@ -43,7 +46,7 @@ from mpfcad.pipeline.run.facet import facet_convergence
 from mpfcad.pipeline.run.file_check import FileFindings, Solid, examine_files, examine_foreign
 from mpfcad.pipeline.run.make import write_mask_pictures
 from mpfcad.pipeline.run.plain import Traced, trace_luminance, trace_plain
-from mpfcad.record import ResinCheck
+from mpfcad.record import ResinCheck, describe_estimator
 
 #: Standard error of u', v' of a point at which the trace of its colour ends, over the goal of the
 #: contrast.
@@ -180,7 +183,11 @@ def examine(
         lit = light_film(plan.lit_stack(folder), folder / traced, plan.offset)
         if lit.spot.is_rounded:
             progress.note(lit.spot.note)
+        if has_zones(lit) and lit.spectral is None:
+            refuse_sheetless(lit)
         luminance = trace_luminance(lit, run, setting.half_width_goal)
+        if isinstance(luminance, CellResult):
+            note_estimator(describe_estimator(luminance), progress)
         if not lit.is_cell:
             progress.stage(f"tracing {traced} over directions")
             survey = survey_directions(lit, run)

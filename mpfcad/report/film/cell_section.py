@@ -36,3 +36,12 @@ def cell_rows(record: Record) -> list[tuple[str, str]]:
              with_interval(spot["value"], 2))
         )  # fmt: skip
     return rows
+
+
+def way_words(record: Record) -> str:
+    """Return which way a cell was traced, a sentence."""
+    way = record["estimator"]
+    start = {"forward": "from the LEDs", "backward": "from the meter"}[way["name"]]
+    more = way["paths_to_goal"]
+    goal = f" The goal of the contrast takes about {more / 1e6:.3g} million." if more else ""
+    return f"Paths {start}: {way['reason']}.{goal}"

@@ -8,7 +8,7 @@ from mpfcad.report.drawing.convergence_figure import facets_figure, paths_figure
 from mpfcad.report.drawing.energy_drawing import SOURCES, draw_energy
 from mpfcad.report.drawing.plot import plot
 from mpfcad.report.drawing.stack_drawing import draw_stack
-from mpfcad.report.film.cell_section import cell_rows
+from mpfcad.report.film.cell_section import cell_rows, way_words
 from mpfcad.report.film.evidence import Evidence
 from mpfcad.report.film.influence import assumed_rows
 from mpfcad.report.film.wording import sources_of
@@ -84,6 +84,7 @@ def luminance_values(record: Record) -> dict[str, Any]:
         "traces": list(traces.items()),
         "pitches": _pitch_rows(record),
         "cell": cell_rows(record) if record.get("cell") else [],
+        "way": way_words(record) if record.get("estimator") else "",
         "psf": spread_values(record["psf"]) if "psf" in record else None,
         "flow": draw_energy(record["energy"], sources) if record["energy"] else None,
         "energy_head": [f"share of the light of the {sources}", *traces],

@@ -16,6 +16,7 @@ from mpfcad.report.drawing.angle_figure import (
 from mpfcad.report.drawing.figure import BASE_COLOUR, FILM_COLOUR
 from mpfcad.report.drawing.picture import PICTURES, band_width
 from mpfcad.report.drawing.plot import plot
+from mpfcad.report.film.cell_section import way_words
 from mpfcad.report.film.confidence_section import confidence_values
 from mpfcad.report.page.colour_part import colour_part
 from mpfcad.report.page.environment import render
@@ -86,6 +87,7 @@ def _contrast(record: Record, folder: Path) -> Record:
         rows.append(("mean normal luminance / conventional", record["relative_luminance"], 4))
     return {
         "cell": False,
+        "way": "",
         "plot": plot(pitch_figure(curves), "pitch"),
         "paths": found["paths"],
         "rows": _rows(rows),
@@ -107,6 +109,7 @@ def _cell(found: Record) -> Record:
     ]  # fmt: skip
     return {
         "cell": True,
+        "way": way_words(found),
         "plot": plot(cell_figure(found["cell"]), "cell"),
         "paths": found["paths"],
         "rows": _rows(rows),
