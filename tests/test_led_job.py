@@ -141,7 +141,6 @@ BAD = [
     ("[map]\nrows = [[0, 60], [4, 60]]\nextent = 'panel'\n", "expected 'cell'"),
     (SERIES + "[film]\npitch_um = 47\n", "expected a whole number of grooves"),
     (SERIES + "[film]\nprofile = 'ideal'\n", "expected profile 'filled'"),
-    (SERIES + "[confidence]\n", "confidence: is for tubes so far"),
     (SERIES + "[crossed]\nrows = [[0, 60], [4, 60]]\ncurvature_per_mm = 60\n", "exactly one of"),
 ]
 

@@ -1,7 +1,7 @@
 """A stack lowered to the elements that are traced."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +20,30 @@ from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.spectral.converter import Converter
 from mpfcad.units import deg, um
 
+#: What is read of a film's file.
+Mesh = FilmMesh | Library | CellTops
+
+
+def read_film(path: Path) -> Mesh:
+    """Return a film's mesh from disk, or its library of pieces from a 3MF of instances.
+
+    Raises
+    ------
+    InputError
+        when it cannot be read or traced.
+    """
+    return read_library(path) if is_library_file(path) else read_film_mesh(path)
+
 
 def lower_stack(
-    stack: Stack, mesh: FilmMesh | Library | CellTops | None, offset: float = 0.0
+    stack: Stack,
+    mesh: Mesh | None,
+    offset: float = 0.0,
+    read: Callable[[Path], Mesh] = read_film,
 ) -> list[Element]:
     """Return the traced elements from the bottom up; x = 0 is a lamp's axis, y = 0 the middle.
 
-    `offset` [mm] is the x of the film tile's left edge.
+    `offset` [mm] is the x of the film tile's left edge; `read` reads the other films' files.
 
     Raises
     ------
@@ -45,7 +62,7 @@ def lower_stack(
             assert mesh is not None  # a stack with a slot has one
             elements += lower_film(stack, mesh, below, offset)
         elif layer in stack.own:
-            elements.append(_own_layer(stack, layer))
+            elements.append(_own_layer(stack, layer, read))
         elif stack.kind_of(layer) == "plate":
             bonded = i + 1 < len(stack.layers) and stack.layers[i + 1] == "bonded_film"
             elements.append(_plate(stack, layer == "diffusing_plate", bonded))
@@ -75,7 +92,7 @@ def _plate(stack: Stack, diffusing: bool, bonded: bool) -> Slab:
     return Slab(stack["plate_index"], stack["plate_thickness_mm"], bonded=bonded, **volume)
 
 
-def _own_layer(stack: Stack, name: str) -> Element:
+def _own_layer(stack: Stack, name: str, read: Callable[[Path], Mesh]) -> Element:
     """Return the element of a layer with values of its own that is not the job's film."""
     layer = stack.own[name]
     if layer.kind == "bsdf":
@@ -106,12 +123,12 @@ def _own_layer(stack: Stack, name: str) -> Element:
             value("sigma"), value("index"), value("transmission"), words, across, axis * deg,
             wide, share, left,
         )  # fmt: skip
-    mesh: FilmMesh | Library | CellTops
+    mesh: Mesh
     if layer.kind != "film":
         mesh = made_mesh(layer.kind, words, value)
     else:
         assert layer.file is not None  # else it is the job's film
-        mesh = read_film(Path(layer.file))
+        mesh = read(Path(layer.file))
     rotation, absorption = value("rotation_deg") * deg, value("absorption_per_mm")
     roughness = stack.get(f"{name}.roughness")
     if isinstance(mesh, Library | CellTops):
@@ -143,14 +160,3 @@ def depth_of(stack: Stack, name: str) -> float:
 def printed_films(elements: Iterable[Element]) -> set[str]:
     """Return the names of the films that are libraries of pieces, as a print under LEDs is."""
     return {one.name for one in elements if isinstance(one, LibraryFilm)}
-
-
-def read_film(path: Path) -> FilmMesh | Library | CellTops:
-    """Return a film's mesh from disk, or its library of pieces from a 3MF of instances.
-
-    Raises
-    ------
-    InputError
-        when it cannot be read or traced.
-    """
-    return read_library(path) if is_library_file(path) else read_film_mesh(path)

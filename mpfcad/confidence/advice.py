@@ -25,7 +25,14 @@ MEASUREMENTS = (
         "stylus traces of printed coupons",
         {"resin_percent": (2.0, False), "resin_tone_percent": (2.0, False)},
     ),
-    Measurement("place of the print against the lamps", {"registration_mm": (0.05, False)}),
+    Measurement(
+        "place of the print against the lamps",
+        {
+            "registration_mm": (0.05, False),
+            "registration_x_mm": (0.05, False),
+            "registration_y_mm": (0.05, False),
+        },
+    ),
     Measurement(
         "depth of the cavity and height of the lamps by a gauge",
         {
@@ -54,7 +61,29 @@ MEASUREMENTS = (
         },
     ),
     Measurement(
-        "reflectance of a lamp by an integrating sphere", {"lamp_reflectance": (0.01, False)}
+        "reflectance of a lamp by an integrating sphere",
+        {
+            "lamp_reflectance": (0.01, False),
+            "led_reflectance": (0.01, False),
+            "led_hole_reflectance": (0.01, False),
+            "led_cup_reflectance": (0.003, False),
+        },
+    ),
+    Measurement(
+        "emission of an LED by a goniometer",
+        {"led_half_angle_deg": (0.5, False), "led_peak_angle_deg": (0.5, False)},
+    ),
+    Measurement(
+        "LEDs, holes and cups under a microscope",
+        {
+            "led_width_mm": (0.01, False),
+            "led_length_mm": (0.01, False),
+            "led_height_mm": (0.01, False),
+            "led_hole_radius_mm": (0.01, False),
+            "led_cup_height_mm": (0.01, False),
+            "led_cup_radius_mm": (0.01, False),
+            "led_cup_rim_radius_mm": (0.01, False),
+        },
     ),
     Measurement(
         "groove depth and film thickness by a section",

@@ -5,6 +5,7 @@ sits in its least, where errors of either sign raise it.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,12 +54,18 @@ class Response:
 
     def drawn(self, rng: np.random.Generator) -> "Response":
         """Return a response that the traces may stand for."""
-        start = _draw(rng, self.start[None], self.start_covariance[None])[0]
+        start, slope, bend = self._roots
         return Response(
-            start, self.start_covariance, _draw(rng, self.slope, self.slope_covariance),
-            self.slope_covariance, _draw(rng, self.bend, self.bend_covariance),
-            self.bend_covariance, self.basis,
+            _draw(rng, self.start[None], start)[0], self.start_covariance,
+            _draw(rng, self.slope, slope), self.slope_covariance,
+            _draw(rng, self.bend, bend), self.bend_covariance, self.basis,
         )  # fmt: skip
+
+    @cached_property
+    def _roots(self) -> list[NDArray[np.float64]]:
+        """What noise of start, slopes and bends is drawn with, of each (k, m, m)."""
+        covariance = self.start_covariance[None], self.slope_covariance, self.bend_covariance
+        return [_root(one) for one in covariance]
 
     def contrast(self, steps: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the contrasts of steps (n, k), (n,)."""
@@ -122,10 +129,13 @@ def _doubt(values: NDArray[np.float64] | int, power: NDArray[np.float64]) -> NDA
     return share
 
 
-def _draw(
-    rng: np.random.Generator, mean: NDArray[np.float64], covariance: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _root(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     value, vector = np.linalg.eigh(covariance)
-    root = vector * np.sqrt(np.maximum(value, 0))[:, None, :]
+    return np.asarray(vector * np.sqrt(np.maximum(value, 0))[:, None, :])
+
+
+def _draw(
+    rng: np.random.Generator, mean: NDArray[np.float64], root: NDArray[np.float64]
+) -> NDArray[np.float64]:
     noise = rng.standard_normal((*mean.shape, 1))
     return mean + (root @ noise)[..., 0]

@@ -17,12 +17,10 @@ from mpfcad.measure.meter import Spot, meter_spot
 from mpfcad.store import array_hash, value_hash, work_key
 
 if TYPE_CHECKING:
+    from mpfcad.backlight.lower import Mesh
     from mpfcad.optics.base.recorder import Tally
     from mpfcad.optics.element import Element
-    from mpfcad.optics.library.piece import Library
-    from mpfcad.optics.library.top import CellTops
     from mpfcad.optics.scene import Scene
-    from mpfcad.optics.solid.mesh import FilmMesh
     from mpfcad.optics.source import Source
     from mpfcad.optics.spectral.engine import Spectral
 
@@ -147,12 +145,14 @@ def light_film(
     stack: Stack,
     mesh_path: Path | None,
     offset: float = 0.0,
-    mesh: "FilmMesh | Library | CellTops | None" = None,
+    mesh: "Mesh | None" = None,
+    read: "Callable[[Path], Mesh] | None" = None,
 ) -> Lit:
     """Return a film mesh, read from disk, in a stack; `offset` [mm]: left edge from a lamp's axis.
 
-    `mesh` is what was read of the file already, if it was. `mesh_path` is None for a stack without
-    film, that of a BSDF table in its place.
+    `mesh` is what was read of the file already, if it was; `read` reads the other films' files,
+    those of one wavelength. `mesh_path` is None for a stack without film, that of a BSDF table in
+    its place.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def light_film(
     if mesh is None and mesh_path is not None:
         mesh = read_film(mesh_path)
     spot = meter_spot(stack, mesh if isinstance(mesh, FilmMesh) else None)
-    elements = lower_stack(stack, mesh, offset)
+    elements = lower_stack(stack, mesh, offset, read or read_film)
     scene = build_scene(elements, polarised=stack.polarised)
     case = {
         "mesh": mesh_path and hashlib.sha256(Path(mesh_path).read_bytes()).hexdigest(),

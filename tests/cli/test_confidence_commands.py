@@ -145,12 +145,12 @@ def test_every_point_of_a_sweep_says_it(place, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["trace", "--stack", "mini-led-4mm", "--confidence"], "extent pitch: expected tubes"),
-        (["measure", "mini-led-4mm", "--confidence"], "extent pitch: expected tubes"),
+        (["trace", "--stack", "mini-led-4mm", "--confidence"], "LEDs light it: expected"),
+        (["measure", "mini-led-4mm", "--confidence"], "LEDs light it: expected"),
         (["measure", "film.stl", "--what", "flux", "--confidence"],
          "--confidence: --what flux: expected contrast among what is measured"),
-        (["compare", "film.stl@panel.toml", "--confidence"], "extent panel: expected tubes"),
-        (["sweep", "panel-sweep.toml", "--confidence"], "extent panel: expected tubes"),
+        (["compare", "film.stl@panel.toml", "--confidence"], 'extent panel: expected extent ='),
+        (["sweep", "panel-sweep.toml", "--confidence"], 'extent panel: expected extent ='),
     ],
 )  # fmt: skip
 def test_what_has_no_confidence_is_refused_in_a_line(place, capsys, arguments, words):

@@ -119,7 +119,7 @@ def test_confidence_is_found(made, tmp_path):
 def test_a_finite_panel_is_refused(made, tmp_path):
     plan, _ = made()
     stack = replace(plan.stack, extent="panel")
-    with pytest.raises(InputError, match=r'confidence: .* expected tubes and extent = "pitch"'):
+    with pytest.raises(InputError, match=r'confidence: .* expected extent = "pitch"'):
         find_confidence(tmp_path, replace(plan, stack=stack), None, 1, SILENT)
 
 

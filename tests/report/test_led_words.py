@@ -9,6 +9,7 @@ from mpfcad.report.film.section import _energy_rows
 from mpfcad.report.film.wording import sources_of, states_confidence
 from mpfcad.report.page.environment import render
 
+PYRAMIDS = {"job": {"resolved": {"film": {"cell": "pyramid"}}}}
 ENERGY = {"in": 1.0, "out": 0.7, "absorbed_by": {"lamps": 0.1, "reflector": 0.2}, "lost": 0.0}
 
 
@@ -30,12 +31,13 @@ def test_what_an_input_would_change(preset):
 
 @pytest.mark.parametrize(
     ("more", "sources", "states"),
-    [({}, "lamps", True), ({"cell": {"across_mm": 1.0}}, "LEDs", False),
-     ({"judged": {"words": "worst pitch"}}, "lamps", False)],
+    [({}, "lamps", True), ({"cell": {"across_mm": 1.0}}, "LEDs", True),
+     ({"cell": {"across_mm": 1.0}, **PYRAMIDS}, "LEDs", False), (PYRAMIDS, "lamps", True),
+     ({"colour": {}}, "lamps", False), ({"judged": {"words": "worst pitch"}}, "lamps", False)],
 )  # fmt: skip
 def test_the_confidence_is_offered_where_it_can_be_had(more, sources, states):
     assert (sources_of(more), states_confidence(more)) == (sources, states)
     page = render("report/confidence.html.j2", confidence=None, sliders=None, record=more,
                   states_confidence=states_confidence(more))  # fmt: skip
     assert ("Not asked for" in page) is states
-    assert ("takes rows of tubes" in page) is not states
+    assert ("takes tubes without a rim" in page) is not states

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 BINS = 24
 #: What ends the trace, as progress shows it.
 FIGURE = "contrast ± {:.4f} (95 %)"
+#: Blocks of a trace that is one of many: enough for the size of its noise.
+_FEW_BLOCKS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +136,7 @@ def trace_terms(
     from mpfcad.optics.forward.engine import BLOCK
 
     meter = CellMeter(lit.stack.acceptance, *lit.stack.period, BINS)
-    blocks = max(LEAST_BLOCKS, round(paths / BLOCK))
+    blocks = max(_FEW_BLOCKS, round(paths / BLOCK))
     tracer = CellTracer(lit, meter, estimator)
     tally = tracer.blocks(TraceRun(seed=seed, threads=threads), range(blocks))
     coefficient, covariance = tracer.terms(tally)

@@ -23,7 +23,9 @@ from mpfcad.confidence import (
 )
 from mpfcad.errors import InputError
 from mpfcad.job import ConfidenceTable, GateTable, Job
-from mpfcad.measure import Estimate, LuminanceResult
+from mpfcad.measure import CellResult, Estimate, LuminanceResult
+from mpfcad.pipeline.confidence.cell_runs import CellRuns
+from mpfcad.pipeline.confidence.cell_variant import cell_variants_of
 from mpfcad.pipeline.confidence.runs import Reading, Runs, reading_of
 from mpfcad.pipeline.confidence.variant import Variants
 from mpfcad.pipeline.plan.plan import Plan
@@ -47,20 +49,34 @@ class Asked:
 
 
 def refuse_confidence(stack: Stack) -> None:
-    """Raise where nothing repeats over one endless pitch, so that no curve says how it changes.
+    """Raise where it is not found how a curve, or the light over a cell, follows the inputs.
 
     Raises
     ------
     InputError
-        when LEDs light it, the panel has a rim, or light is in bands, whose derivatives are not
-        traced.
+        when the panel has a rim, or light is in bands, whose derivatives are not traced.
     """
     if stack.bands is not None:
         raise InputError(f"confidence: stack {stack.name}: light.bands: expected one wavelength")
-    if stack.extent != "pitch" or stack.period.along != 0:
+    if stack.extent != "pitch":
         raise InputError(
-            f"confidence: stack {stack.name}, extent {stack.extent}: expected tubes and "
-            'extent = "pitch"'
+            f'confidence: stack {stack.name}, extent {stack.extent}: expected extent = "pitch"'
+        )
+
+
+def refuse_cell_confidence(stack: Stack) -> None:
+    """Raise for LEDs, too, where a command finds the confidence of rows of tubes alone.
+
+    Raises
+    ------
+    InputError
+        as `refuse_confidence`, and when LEDs light the stack.
+    """
+    refuse_confidence(stack)
+    if stack.period.along > 0:
+        raise InputError(
+            f"confidence: stack {stack.name}: LEDs light it: expected tubes, or `mpfcad run JOB "
+            "--confidence`"
         )
 
 
@@ -78,25 +94,30 @@ def variants_of(plan: Plan, folder: Path) -> Iterator[Variants]:
 def find_confidence(
     folder: Path,
     plan: Plan,
-    luminance: LuminanceResult,
+    luminance: LuminanceResult | CellResult,
     threads: int,
     progress: Progress,
 ) -> dict[str, Any]:
     """Return how likely the contrast meets the job's limits, in outside names.
 
-    `folder` holds film.stl and the meshes that the stack needs; `luminance` is its trace.
+    `folder` holds the film as it was traced and the meshes that the stack needs; `luminance` is its
+    trace.
 
     Raises
     ------
     InputError
-        when the job's backlight has no endless pitch, or a covariance names what is no input.
+        when the job's backlight has a rim or bands, or a covariance names what is no input.
     """
     refuse_confidence(plan.stack)
+    asked = Asked.of(plan.job)
+    if isinstance(luminance, CellResult):
+        with cell_variants_of(plan, folder) as cell:
+            over = CellRuns(cell, cell.factors(), luminance, asked.seed, threads, progress)
+            return _likely(over, cell.left_out(), luminance.contrast.value, asked)
     with variants_of(plan, folder) as variants:
         return confidence_of(
-            variants, reading_of(luminance), luminance.contrast.value, Asked.of(plan.job),
-            threads, progress,
-        )  # fmt: skip
+            variants, reading_of(luminance), luminance.contrast.value, asked, threads, progress
+        )
 
 
 def confidence_of(
@@ -116,8 +137,12 @@ def confidence_of(
     InputError
         when a covariance names what is no input.
     """
-    factors = variants.factors()
-    runs = Runs(variants, factors, reading, asked.seed, threads, progress)
+    runs = Runs(variants, variants.factors(), reading, asked.seed, threads, progress)
+    return _likely(runs, variants.left_out(), contrast, asked)
+
+
+def _likely(runs: Runs, left_out: list[str], contrast: float, asked: Asked) -> dict[str, Any]:
+    factors = runs.factors
     response = runs.respond(asked.table.paths_million)
     between = correlation(factors, asked.table.covariance_of())
     steps = draw_steps(factors, between, asked.seed)
@@ -138,7 +163,7 @@ def confidence_of(
             for i in order
         ],
         "measure_next": rank_measurements(response, factors, steps, asked.gates.contrast_marginal),
-        "left_out": variants.left_out(),
+        "left_out": left_out,
         "paths": runs.paths,
         "draws": len(steps),
     }

@@ -12,6 +12,8 @@ import numpy as np
 
 from mpfcad.confidence import Response, draw_steps
 from mpfcad.measure import CellResult, LuminanceResult
+from mpfcad.pipeline.confidence.cell_runs import CellRuns
+from mpfcad.pipeline.confidence.cell_variant import cell_variants_of
 from mpfcad.pipeline.confidence.find import (
     Asked,
     describe_effect,
@@ -19,10 +21,8 @@ from mpfcad.pipeline.confidence.find import (
     describe_likely,
     variants_of,
 )
-from mpfcad.pipeline.confidence.printed_cell import CellRuns
 from mpfcad.pipeline.confidence.reprint import Reprints
 from mpfcad.pipeline.confidence.runs import Runs, reading_of
-from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.plan import Plan
 from mpfcad.pipeline.progress import Progress
 
@@ -43,7 +43,7 @@ def find_printed(
     backlight has no endless pitch. Under LEDs all films have more or less resin together.
     """
     if isinstance(luminance, CellResult):
-        return _find_cell(plan, luminance, threads, progress)
+        return _find_cell(folder, plan, luminance, threads, progress)
     if plan.stack.extent != "pitch" or plan.stack.period.along != 0:
         return None
     with variants_of(plan, folder) as shipped:
@@ -58,17 +58,16 @@ def find_printed(
 
 
 def _find_cell(
-    plan: Plan, luminance: CellResult, threads: int, progress: Progress
+    folder: Path, plan: Plan, luminance: CellResult, threads: int, progress: Progress
 ) -> dict[str, Any] | None:
-    found = [kind_of(film.drawn, film.job.cad).pieces for film in plan.films]
-    films = [film for film in found if film is not None]
-    if len(films) < len(found):
-        return None
-    runs = CellRuns(plan, films, luminance, threads, progress)
-    if not runs.factors:
-        return None
-    progress.stage("tracing the films with less and more resin")
-    return _describe(plan, runs, runs.respond_alone(_SHARE * luminance.paths))
+    with cell_variants_of(plan, folder) as variants:
+        factors = variants.print_factors()
+        if not factors:
+            return None
+        progress.stage("tracing the films with less and more resin")
+        runs = CellRuns(variants, factors, luminance, plan.job.seed, threads, progress)
+        response = runs.respond_alone(_SHARE * luminance.paths)
+    return _describe(plan, runs, response)
 
 
 def _describe(plan: Plan, runs: Runs, response: Response) -> dict[str, Any]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mpfcad.optics.source import Source
 
 #: A curved input's two runs and the middle have so many times the paths of a factorial run.
-_CURVED = 6
+CURVED = 6
 #: The trace that tells the smooth inputs' slopes has so much of the paths of all factorial runs.
 _SMOOTH = 0.5
 _FINE = 128
@@ -96,7 +96,7 @@ class Runs:
 
     def __init__(
         self,
-        variants: Variants | None,
+        variants: Variants,
         factors: list[Factor],
         reading: Reading,
         seed: int,
@@ -116,6 +116,19 @@ class Runs:
         slope, slope_covariance = np.zeros(shape), np.zeros((*shape, shape[1]))
         smooth = self._smooth(slope, slope_covariance, paths_million)
         rest = [i for i in range(len(self.factors)) if i not in smooth]
+        blocks = self._factorial(rest, paths_million, slope, slope_covariance)
+        self.progress.stage("confidence: second order of the resin")
+        bend, bend_covariance, _, _ = self._bends(slope.shape, CURVED * blocks)
+        return self._response(slope, slope_covariance, bend, bend_covariance)
+
+    def _factorial(
+        self,
+        rest: list[int],
+        paths_million: float,
+        slope: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+    ) -> int:
+        """Put the slopes and covariances of some inputs, and return the blocks of a run."""
         runs = factorial_steps(len(rest))
         steps = np.zeros((len(runs), len(self.factors)))
         for column, i in enumerate(rest):
@@ -126,10 +139,8 @@ class Runs:
             for number, row in enumerate(steps, 1):
                 self.progress.stage(f"confidence: run {number} of {len(steps)} with inputs changed")
                 found.append(self.trace(row, blocks)[0])
-            slope[rest], slope_covariance[rest] = fit_slopes(steps[:, rest], np.array(found))
-        self.progress.stage("confidence: second order of the resin")
-        bend, bend_covariance, _, _ = self._bends(slope.shape, _CURVED * blocks)
-        return self._response(slope, slope_covariance, bend, bend_covariance)
+            slope[rest], covariance[rest] = fit_slopes(steps[:, rest], np.array(found))
+        return blocks
 
     def _smooth(
         self, slope: NDArray[np.float64], covariance: NDArray[np.float64], paths_million: float
@@ -138,7 +149,6 @@ class Runs:
         from mpfcad.optics.score.columns import Columns
         from mpfcad.optics.score.engine import trace_slopes
 
-        assert self.variants is not None  # of runs of other scenes there is no factorial
         lit = self.variants.light({})
         columns = Columns.of(lit.scene)
         along = [self.variants.direction(factor, columns) for factor in self.factors]
@@ -171,10 +181,14 @@ class Runs:
         blocks = self._blocks(paths / 1e6)
         shape = (len(self.factors), len(self.reading.start))
         bend, bend_covariance, slope, slope_covariance = self._bends(shape, blocks)
+        return self._shrunk(slope, slope_covariance, bend, bend_covariance)
+
+    def _shrunk(self, *parts: NDArray[np.float64]) -> Response:
+        """Return the response of slopes and bends, each with its covariance, less their noise."""
+        slope, bend = parts[:2], parts[2:]
         if not self.reading.is_sharp:
-            bend, bend_covariance = shrink_each(bend, bend_covariance)
-            slope, slope_covariance = shrink_each(slope, slope_covariance)
-        return self._response(slope, slope_covariance, bend, bend_covariance)
+            slope, bend = shrink_each(*slope), shrink_each(*bend)
+        return self._response(*slope, *bend)
 
     def _response(
         self,
@@ -215,7 +229,8 @@ class Runs:
         step = np.zeros(len(self.factors))
         ends = []
         for sign in (-1.0, 1.0):
-            step[number] = float(self.factors[number].within(np.array(sign * STEP)))
+            reach = sign * self._reach(number)
+            step[number] = float(self.factors[number].within(np.array(reach)))
             ends.append((step[number], *self.trace(step, blocks)))
         (low, below, below_spread), (high, above, above_spread) = ends
         span = high - low
@@ -230,6 +245,10 @@ class Runs:
             )
         return found[0], found[1], found[2], found[3]
 
+    def _reach(self, number: int) -> float:
+        """Return how far a curved input is changed, in units of its sigma."""
+        return STEP
+
     def trace(self, steps: NDArray[np.float64], blocks: int) -> tuple[NDArray, NDArray]:
         """Return the coefficients (m,) of a run with inputs at steps (k,) of their sigma.
 
@@ -237,7 +256,6 @@ class Runs:
         """
         from mpfcad.measure.rounds import trace_lit
 
-        assert self.variants is not None  # of runs of other scenes there are none
         lit = self.variants.light(dict(zip(self.factors, steps.tolist(), strict=True)))
         tally = trace_lit(lit, self._meter(lit), blocks, seed=self.seed, threads=self.threads)
         self.paths += tally.total_paths

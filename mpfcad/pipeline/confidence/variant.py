@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count
 from pathlib import Path
-from textwrap import shorten
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,12 +20,8 @@ from mpfcad.measure import Lit, light_film
 from mpfcad.pipeline.confidence.subject import Subject
 
 if TYPE_CHECKING:
-    from mpfcad.optics.library.piece import Library
-    from mpfcad.optics.library.top import CellTops
+    from mpfcad.backlight.lower import Mesh
     from mpfcad.optics.score.columns import Columns
-    from mpfcad.optics.solid.mesh import FilmMesh
-
-    Mesh = FilmMesh | Library | CellTops
 
 #: Inputs of the film as made and laid, by their names in `[confidence]`; in no stack.
 RESIN, SHIFT, DEPTH, BASE = "resin_percent", "registration_mm", "depth_um", "base_um"
@@ -39,8 +34,8 @@ _REASON = {
     DEPTH: "depth of the prisms, at equal fill",
     BASE: "thickness below the prisms",
 }
-#: Characters of a list of names in a message.
-_SHOWN = 150
+#: Inputs of film and print that are in no stack.
+FILM_INPUTS = tuple(_REASON)
 #: A step for a derivative, in units of sigma.
 _SMALL = 1e-3
 #: Changed films that are kept: those of a factorial with resin, depth and base, twice.
@@ -293,23 +288,6 @@ class Variants:
         for name, mode in zip((RESIN, TONE), modes, strict=False):
             found += mode * change.get(name, 0.0) / (100 * np.sqrt(np.mean(mode**2)))
         return np.exp(found)
-
-
-def refuse_unknown_inputs(where: str, stack: Stack, table: ConfidenceTable) -> None:
-    """Raise, before anything is traced, where a covariance names what is no input of a job.
-
-    Raises
-    ------
-    InputError
-        naming it.
-    """
-    known = [name for name in stack.quantity if width_of(stack, name).sigma > 0]
-    unknown = sorted(set(table.sigmas()) - {*known, *_REASON})
-    if unknown:
-        raise InputError(
-            f"{where}: confidence.covariance: {unknown[0]}: expected inputs that are not exact: "
-            f"{shorten(', '.join([*_REASON, *known]), _SHOWN, placeholder=' …')}"
-        )
 
 
 def _content(value: object) -> object:

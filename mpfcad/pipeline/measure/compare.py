@@ -9,7 +9,7 @@ from typing import Any
 
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
-from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.confidence.find import refuse_cell_confidence
 from mpfcad.pipeline.measure.case import Case, baseline_case
 from mpfcad.pipeline.measure.figures import Measuring, case_confidence, measure_case
 from mpfcad.pipeline.measure.led_case import plain_cases
@@ -48,7 +48,7 @@ def compare_cases(
     is_cell = _all_leds(cases)
     if confidence:
         for case in cases:
-            refuse_confidence(case.lit.stack)
+            refuse_cell_confidence(case.lit.stack)
     bases = plain_cases(cases[0].lit) if is_cell else [baseline_case(cases[0].lit.stack.polarised)]
     known = [base.lit.case for base in bases]
     others = [case for case in cases if case.lit.case not in known]

@@ -6,7 +6,7 @@ from typing import Any
 from mpfcad.errors import InputError
 from mpfcad.export import canonical_json, export_folder, write_manifest, write_text
 from mpfcad.measure import Lit
-from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.confidence.find import refuse_cell_confidence
 from mpfcad.pipeline.estimator import chosen_estimator
 from mpfcad.pipeline.measure.case import Case, baseline_case
 from mpfcad.pipeline.measure.figures import (
@@ -93,7 +93,7 @@ def measure_film(
             f"{', '.join(default_what(case))}"
         )
     if confidence:
-        refuse_confidence(case.lit.stack)
+        refuse_cell_confidence(case.lit.stack)
         if "contrast" not in what:
             raise InputError(
                 f"--confidence: --what {','.join(what)}: expected contrast among what is measured"

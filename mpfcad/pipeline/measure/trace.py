@@ -64,7 +64,7 @@ def trace_mesh(
         polarisation,
         screen_colour,
     )
-    from mpfcad.pipeline.confidence.find import refuse_confidence
+    from mpfcad.pipeline.confidence.find import refuse_cell_confidence
     from mpfcad.record import (
         describe_cell,
         describe_colour,
@@ -83,7 +83,7 @@ def trace_mesh(
         mesh, repaired = repair_mesh(mesh, progress)
     progress.stage(f"tracing {mesh or stack}")
     if confidence:
-        refuse_confidence(backlight)
+        refuse_cell_confidence(backlight)
     case = mesh_case(mesh, backlight, offset)
     lit = case.lit
     way = chosen_estimator(estimator, lit)

@@ -217,11 +217,11 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
 
 
 def _refuse_confidence(job: Job, where: str) -> None:
-    if job.wants_confidence:
+    if job.wants_confidence and job.film.cell != "groove":
         raise InputError(
-            f"{where}: confidence: is for tubes so far: expected to be left out: under LEDs a run "
-            "itself states the contrast as printed, and `mpfcad sweep` what shift_x_mm, "
-            "resin_percent, stack.override.led_flux_spread and others do"
+            f"{where}: confidence: film.cell {job.film.cell}: under LEDs is for films of grooves "
+            "so far: expected to be left out: `mpfcad sweep` tells what thickness, LEDs and others "
+            "do"
         )
 
 

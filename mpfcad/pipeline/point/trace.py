@@ -15,7 +15,7 @@ from mpfcad.job import FilmTable, GateTable, build_job
 from mpfcad.job.reader import validate
 from mpfcad.job.sweep import FILL_AXIS, LAMP_AXIS, LED_AXES, REGISTRATION_AXES, Sweep
 from mpfcad.pipeline.confidence.covariance import with_covariance
-from mpfcad.pipeline.confidence.find import refuse_confidence
+from mpfcad.pipeline.confidence.find import refuse_cell_confidence
 from mpfcad.pipeline.plan.departure import Departure
 from mpfcad.pipeline.plan.plan import Plan, read_job_stack, read_plan
 from mpfcad.pipeline.plan.printed.printable import printable_range
@@ -82,7 +82,7 @@ class Point:
             job = with_covariance(build_job(self.job, self.where), file)
             stack = read_job_stack(job, file)
             if job.wants_confidence:
-                refuse_confidence(stack)
+                refuse_cell_confidence(stack)
             if stack.period.along > 0:
                 return read_plan(job, file, self._departure(stack))
             _refuse_led_axes(self.coordinate, self.where)

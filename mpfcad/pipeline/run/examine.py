@@ -25,7 +25,6 @@ from mpfcad.measure import (
     Checkpoints,
     ColourResult,
     Lit,
-    LuminanceResult,
     Survey,
     TraceRun,
     light_film,
@@ -207,7 +206,7 @@ def examine(
         lit = light_baseline(plan.job.cad.angle_tolerance, preset, plan.stack.polarised)
         baseline = trace_luminance(lit, run, setting.half_width_goal)
     confidence = printed = None
-    if isinstance(luminance, LuminanceResult) and plan.job.wants_confidence:
+    if luminance is not None and plan.job.wants_confidence:
         confidence = find_confidence(folder, plan, luminance, run.threads, progress)
     elif luminance is not None:
         printed = find_printed(folder, plan, luminance, run.threads, progress)

@@ -9,8 +9,8 @@ from mpfcad.gate import demand
 from mpfcad.job import Job
 from mpfcad.mask import Mask
 from mpfcad.measure import Checkpoints
+from mpfcad.pipeline.confidence.asked import refuse_unlikely
 from mpfcad.pipeline.confidence.covariance import with_covariance
-from mpfcad.pipeline.confidence.variant import refuse_unknown_inputs
 from mpfcad.pipeline.effort import TRACE_SETTINGS
 from mpfcad.pipeline.kind import kind_of
 from mpfcad.pipeline.plan.need import refuse_memory, run_need
@@ -105,10 +105,11 @@ def checked_masks(plan: Plan, job_file: Path, out: Path) -> list[Mask | None]:
     ------
     InputError
         that begins with the job's file, when the piece cannot be traced, a format cannot hold a
-        mask, the disk of the folder `out` not its picture, or a covariance names what is no input.
+        mask, the disk of the folder `out` not its picture, or the confidence that is asked for is
+        not found.
     """
     job, where = plan.job, str(job_file)
-    refuse_unknown_inputs(where, plan.stack, job.confidence_table)
+    refuse_unlikely(where, plan)
     kind_of(plan.drawn, job.cad).refuse_trace(plan.printed, plan.stack, where)
     masks = [plan_mask(film) for film in plan.films]
     for mask in masks:

@@ -147,8 +147,13 @@ def sources_of(record: dict[str, Any]) -> str:
 
 
 def states_confidence(record: dict[str, Any]) -> bool:
-    """Return whether `mpfcad run --confidence` takes this backlight: tubes, and no rim."""
-    return not record.get("cell") and not record.get("judged")
+    """Return whether `mpfcad run --confidence` takes this backlight and film.
+
+    Tubes without a rim, and LEDs under films of grooves, in one wavelength.
+    """
+    film = record.get("job", {}).get("resolved", {}).get("film", {})
+    is_held = not record.get("cell") or film.get("cell", "groove") == "groove"
+    return is_held and not record.get("judged") and "colour" not in record
 
 
 def verdict_sentence(record: dict[str, Any]) -> str:
