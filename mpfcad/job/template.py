@@ -18,6 +18,10 @@ curvature_per_mm = 60.0         # one curvature everywhere, or a file (relative 
 # series_per_mm = [[60, 1], [1.5, 0]]  # under LEDs, instead of a file: cosines over their cell
 
 # [crossed]                     # under LEDs: the film across is printed too, with the same C
+# [halftone]                    # under LEDs: pieces of grooves, bare or printed alike: docs/led.md
+# curvature_per_mm = 60.0       # C of the printed ones
+# piece_mm = 4.0                # how long they are, and how many grooves wide
+# grooves = 8
 
 [film]
 profile = "filled"              # resin in a BEF, printable for C <= 80 /mm; "ideal": a mould only
