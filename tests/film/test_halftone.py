@@ -39,6 +39,17 @@ def test_the_mean_of_the_map_is_kept_and_its_symmetry(mean, alike):
     assert np.abs(square[0] - square[1]).max() < 5 * (BARE - PRINTED) * alike**0.5 / 96
 
 
+@pytest.mark.parametrize("share", [0.35, 0.5, 0.07, 2 / 3])
+@pytest.mark.parametrize("columns", [6, 12])
+def test_rows_of_pieces_have_their_share_and_no_stripes(share, columns):
+    """Error diffusion of two dimensions prints every third row wholly at a share of 1/3."""
+    wanted = np.full((960, columns), BARE - share * (BARE - PRINTED))
+    level = build_halftone(GROOVE, PRINTED, wanted, 6).two_level
+    wave = 2 * np.abs(np.fft.fft2(level)) / level.size
+    wave[0, 0] = 0.0
+    assert wave[:6, :6].max() < 1.0  # of 18; 6 with stripes
+
+
 def test_blocks_of_grooves_are_alike_and_mirrored():
     for count, width in itertools.product(range(1, 300), (1, 2, 3, 8, 33)):
         block = blocks_of(count, width)

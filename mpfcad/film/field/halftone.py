@@ -1,9 +1,9 @@
 """A map C(x, y) as a halftone: pieces of grooves that are bare, or printed with one curvature.
 
 The share of printed pieces is p = (C_bare - C)/(C_bare - C_p), so that the mean of C is kept. Which
-are printed is found by error diffusion, as with the levels of a library. The resin of a printed
-piece then levels along its groove, so its ends are not sharp. That keeps the resin, not C: spread
-out, the same resin covers more of the walls, and the mean of C falls.
+are printed is found by error diffusion across the grooves. The resin of a printed piece then levels
+along its groove, so its ends are not sharp. That keeps the resin, not C: spread out, the same resin
+covers more of the walls, and the mean of C falls.
 """
 
 from dataclasses import dataclass
@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpfcad.errors import InputError
-from mpfcad.film.field.library import chosen_levels
+from mpfcad.film.field.library import mirrored
 from mpfcad.film.field.repeated import RepeatedField
 from mpfcad.film.groove import Groove
 from mpfcad.film.process.levelling import levelled_fill
 
+#: Golden section: its multiples are as unlike as can be.
+GOLDEN = (5**0.5 - 1) / 2
 #: How far C of a map may lie outside the two curvatures [1/mm].
 ROOM = 1e-9
 
@@ -119,10 +121,29 @@ def build_halftone(
     block = blocks_of(len(tone), side_by_side)
     width = np.bincount(block)
     total = np.add.reduceat(tone, np.cumsum(width) - width, axis=0)
-    level = np.array([curvature, bare])
-    means = np.clip(total / width[:, None], curvature, bare)
-    chosen = chosen_levels(means, level, whole=True)
-    return Halftone(groove, curvature, tone, chosen[block] == 0, int(width.min()))
+    share = (bare - total / width[:, None]) / (bare - curvature)
+    chosen = mirrored(np.clip(share, 0.0, 1.0), printed_blocks)
+    return Halftone(groove, curvature, tone, chosen[block] == 1, int(width.min()))
+
+
+def printed_blocks(share: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return which blocks are printed, (n, m) of 0 and 1, so that their share is kept.
+
+    What a block leaves is handed on to the next across the grooves, there and back in turn, so that
+    each row of pieces has its own share: the light of whole rows shows. Their thresholds follow the
+    golden section, so that rows beside each other print at other places.
+    """
+    n, m = share.shape
+    chosen = np.zeros((n, m), np.int64)
+    left = 0.0
+    for k in range(m):
+        threshold = (0.5 + k * GOLDEN) % 1.0
+        for i in range(n) if k % 2 == 0 else range(n - 1, -1, -1):
+            left += share[i, k]
+            some = share[i, k] > 0 and (left > threshold or share[i, k] >= 1)
+            chosen[i, k] = int(some)
+            left -= chosen[i, k]
+    return chosen
 
 
 def blocks_of(count: int, width: int) -> NDArray[np.int64]:

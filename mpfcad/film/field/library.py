@@ -5,6 +5,7 @@ that follow (error diffusion; Floyd and Steinberg, 1976), so means over many pie
 that is its own mirror image stays so: a quarter is rounded and mirrored.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -128,33 +129,26 @@ def rounded(
     if high - low < 1e-9:
         return np.array([low]), np.zeros(wanted.shape, np.int64)
     level = np.linspace(low, high, max(2, levels))
-    return level, chosen_levels(wanted, level)
+    return level, mirrored(wanted, lambda part: diffused(part, level))
 
 
-def chosen_levels(
-    wanted: NDArray[np.float64], level: NDArray[np.float64], *, whole: bool = False
+def mirrored(
+    wanted: NDArray[np.float64], choose: Callable[[NDArray[np.float64]], NDArray[np.int64]]
 ) -> NDArray[np.int64]:
-    """Return the number of the level at each place of a map (n, m), as `diffused`.
+    """Return what is chosen at each place of a map (n, m).
 
-    Of a map that is its own mirror image a quarter is rounded and mirrored.
+    Of a map that is its own mirror image it is chosen over a quarter, and mirrored.
     """
     n, m = wanted.shape
-    mirrored = np.allclose(wanted, wanted[::-1]) and np.allclose(wanted, wanted[:, ::-1])
-    if not mirrored:
-        return diffused(wanted, level, whole=whole)
-    quarter = diffused(wanted[: -(-n // 2), : -(-m // 2)], level, whole=whole)
+    if not (np.allclose(wanted, wanted[::-1]) and np.allclose(wanted, wanted[:, ::-1])):
+        return choose(wanted)
+    quarter = choose(wanted[: -(-n // 2), : -(-m // 2)])
     half = np.concatenate([quarter, quarter[: n // 2][::-1]])
     return np.concatenate([half, half[:, : m // 2][:, ::-1]], axis=1)
 
 
-def diffused(
-    wanted: NDArray[np.float64], level: NDArray[np.float64], *, whole: bool = False
-) -> NDArray[np.int64]:
-    """Return the number of the level at each place, (n, m), what is left handed on.
-
-    What would go beyond the map's edges is lost; with `whole` the other neighbours get it, so that
-    the sum over the map is kept to less than a step.
-    """
+def diffused(wanted: NDArray[np.float64], level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the number of the level at each place, (n, m), what is left handed on."""
     step, last = level[1] - level[0], len(level) - 1
     rest = (wanted - level[0]) / step
     chosen = np.zeros(wanted.shape, np.int64)
@@ -163,10 +157,7 @@ def diffused(
         for k in range(m):
             chosen[i, k] = min(max(int(np.floor(rest[i, k] + 0.5)), 0), last)
             left = rest[i, k] - chosen[i, k]
-            next_ = [(i + down, k + right, share) for down, right, share in _SHARES
-                     if i + down < n and 0 <= k + right < m]  # fmt: skip
-            if whole and next_:
-                left /= sum(share for _, _, share in next_)
-            for across, along, share in next_:
-                rest[across, along] += share * left
+            for down, right, share in _SHARES:
+                if i + down < n and 0 <= k + right < m:
+                    rest[i + down, k + right] += share * left
     return chosen
