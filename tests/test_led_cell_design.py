@@ -1,6 +1,7 @@
 """Designs of pyramids and dishes under LEDs: refusals, the measured response, films, a run."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,6 +46,7 @@ def design(tmp_path, text="", film=PRINTED, films=1):
         (DISH, "[constraint]\nsolids_fraction_min = 0.2\n", 1, "no print makes it"),
         (PRINTED, "[search]\nuniform_per_mm = [80.0]\n", 1, "within the limits of C, 40 … 80"),
         (PRINTED, "[constraint]\ncurvature_max_per_mm = 30.0\n", 1, "= 30: expected above 40"),
+        ("", "[search]\nuniform_per_mm = [66.0, 79.0]\n", 1, "79: expected within .* 55 … 78"),
     ],
 )
 def test_designs_of_cells_that_cannot_be(tmp_path, film, text, films, words):
@@ -75,6 +77,8 @@ def test_limits_follow_from_the_kind_of_film(tmp_path):
     ]
     assert found == [(40.0, 80.0), (20.0, 100.0), (55.0, 78.0)]
     assert dish.search.uniform_per_mm == [30.0, 50.0, 70.0]
+    narrow = design(tmp_path, "[constraint]\ncurvature_max_per_mm = 60.0\n", film="")
+    assert narrow.search.uniform_per_mm == [58.0]
     # A board of a range is the design read again: it says no more than the file.
     again = dish.model_dump(mode="json", by_alias=True, exclude_unset=True)
     assert "constraint" not in again and "search" not in again
@@ -161,6 +165,26 @@ def test_a_search_measures_the_response_of_cells(tmp_path, monkeypatch, response
     assert search.tried[1].found.contrast.value > 0.08 and search.best.found.contrast.value < 0.03
     (line,) = pilot_lines(json.loads(json.dumps(pilot.document())))
     assert line.startswith("response of ln L to C")
+
+
+def test_a_search_goes_on_about_the_mean_whose_pattern_has_room(tmp_path, monkeypatch):
+    """C = 75 /mm is the better even film, but no pattern fits there."""
+    text = "[search]\nuniform_per_mm = [62.0, 75.0]\niterations = 2\n"
+    text += "[constraint]\ncurvature_max_per_mm = 76.0\n[goal]\ncontrast_target = 0.001\n"
+    lit = Lit(-0.004)
+
+    def at(chosen):
+        found = lit(chosen)
+        if found.mean == 75.0:
+            found = replace(found, harmonic=0.9 * lit(flat).harmonic)
+            type(found.found).contrast.value = 0.05
+        return found
+
+    flat = CurvatureSeries(np.array([[60.0, 0.0, 0.0], [0.0] * 3, [0.0] * 3]))
+    search = searched(design(tmp_path, text), at, monkeypatch)
+    assert [tried.mean for tried in search.tried[:2]] == [62.0, 75.0]
+    assert search.tried[1].found.contrast.value < search.tried[0].found.contrast.value
+    assert {tried.mean for tried in search.tried[2:]} == {62.0} and search.best.mean == 62.0
 
 
 def test_a_response_in_the_noise_ends_the_search_with_its_bound(tmp_path, monkeypatch):

@@ -151,20 +151,26 @@ class LedDesign(Table):
             self._by_kind("constraint", "curvature_min_per_mm", low)
             self._by_kind("constraint", "curvature_max_per_mm", most)
             self._by_kind("constraint", "angle_tolerance_deg", _ANGLE)
-            if not self.is_printed:
-                self._by_kind("search", "uniform_per_mm", _EVEN)
         if self.halftone is not None:
             self._limit_halftone(self.halftone.curvature_per_mm)
         low, high = self.constraint.curvature_min_per_mm, self.constraint.curvature_max_per_mm
         if low >= high:
             raise ValueError(f"constraint.curvature_max_per_mm = {high:g}: expected above {low:g}")
-        outside = [c for c in self.search.uniform_per_mm if not low < c < high]
-        if self.has_cells and outside:
+        known = self.search.uniform_per_mm if self.is_printed else _EVEN
+        inside = [c for c in known if low < c < high]
+        self._by_kind("search", "uniform_per_mm", inside or [(low + high) / 2])
+        self._refuse_outside(low, high)
+        return self
+
+    def _refuse_outside(self, low: float, high: float) -> None:
+        even = self.search.uniform_per_mm
+        outside = [c for c in even if not low <= c <= high or (self.has_cells and c in (low, high))]
+        if outside:
+            ends = ", off their ends" if self.has_cells else ""
             raise ValueError(
                 f"search.uniform_per_mm: {outside[0]:g}: expected within the limits of C, "
-                f"{low:g} … {high:g}, and off their ends: the response is measured about it"
+                f"{low:g} … {high:g}{ends}"
             )
-        return self
 
     def _by_kind(self, table: str, name: str, value: Any) -> None:
         """Set a field of a table that the design does not state; it stays one that it does not."""

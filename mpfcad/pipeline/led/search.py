@@ -1,10 +1,11 @@
 """The search of a map under LEDs: each harmonic of C corrected by its own harmonic of L.
 
 A film's harmonic answers to that of the luminance over it nearly alone. Uniform films come first;
-then each harmonic of C moves by -L_ij/r_ij, r the response of ln L to C [mm], which is taken from
+the search goes on about that whose best pattern has the least contrast by the model of `bound`.
+Each harmonic of C moves by -L_ij/r_ij, r the response of ln L to C [mm], which is taken from
 the experience below, of cells from a `pilot`, and, once a harmonic has moved, from what it did.
-Where the limits of C forbid that move, the best map within them by the same linear model is next
-(`bound`). Where the pilot's response may be none, no map is tried.
+Where the limits of C forbid that move, the best map within them by the same linear model is next.
+Where the pilot's response may be none, no map is tried.
 """
 
 from collections.abc import Callable
@@ -38,31 +39,34 @@ class LedSearch:
         the maps in their order
     response
         (h+1, h+1) float64 [mm], of ln L to C by harmonic, as the last move told it
-    pilots
-        by the mean C [1/mm], what was measured of cells
+    pilot
+        what was measured of cells; None of grooves, and before
     """
 
     design: LedDesign
     trace: Callable[[CurvatureSeries], CellResult]
     tried: list[Tried] = field(default_factory=list)
     response: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros((0, 0)))
-    pilots: dict[float, Pilot] = field(init=False, default_factory=dict)
+    pilot: Pilot | None = field(init=False, default=None)
 
     @property
     def best(self) -> Tried:
         """The map of least contrast."""
-        return min(self.tried, key=lambda one: one.found.contrast.value)
+        return self._best_of(self.tried)
+
+    @staticmethod
+    def _best_of(tried: list[Tried]) -> Tried:
+        return min(tried, key=lambda one: one.found.contrast.value)
 
     def run(self) -> Tried:
         """Return the best map after uniform films and corrections."""
-        for curvature in self.design.search.uniform_per_mm:
-            self.try_even(curvature)
-        even = self.try_even(self.best.mean)
+        evens = [self.try_even(curvature) for curvature in self.design.search.uniform_per_mm]
+        even = min(evens, key=self._promise)
         prior = self.response_of(even)
         response = self.response = prior.copy()
         if self.pilot is not None and not self.pilot.is_told:
             return self.best
-        last = self.best
+        last = self._best_of([one for one in self.tried if one.mean == even.mean])
         for _ in range(self.design.search.iterations):
             if self.best.found.contrast.value <= self.design.goal.contrast_target:
                 break
@@ -87,24 +91,31 @@ class LedSearch:
                 return one
         return self._try(coefficient)
 
-    @property
-    def pilot(self) -> Pilot | None:
-        """What was measured of films of the best one's mean; None of grooves."""
-        return self.pilots.get(self.best.mean)
-
     def response_of(self, even: Tried) -> NDArray[np.float64]:
-        """Return the response (h+1, h+1) [mm] about an even film: measured of cells, else known."""
-        size, mean = self.design.constraint.harmonics + 1, even.mean
+        """Return the response (h+1, h+1) [mm] about an even film; of cells, measured once."""
+        size = self.design.constraint.harmonics + 1
         if not self.design.has_cells:
-            two = TWO * 2 ** ((mean - AT) / DOUBLES)
+            two = TWO * 2 ** ((even.mean - AT) / DOUBLES)
             return np.full((size, size), ONE if self.design.films == 1 else two)
-        if mean not in self.pilots:
-            limit = self.design.constraint
-            room = min(limit.curvature_max_per_mm - mean, mean - limit.curvature_min_per_mm)
-            pattern = pilot_pattern(size, room)
-            more, less = (self._try(even.map.coefficient + move) for move in (pattern, -pattern))
-            self.pilots[mean] = read_pilot(more, less)
-        return self.pilots[mean].response
+        if self.pilot is None:
+            middle = max(self.design.search.uniform_per_mm, key=self._room)
+            pattern = pilot_pattern(size, self._room(middle))
+            about = self.try_even(middle).map.coefficient
+            self.pilot = read_pilot(self._try(about + pattern), self._try(about - pattern))
+        return self.pilot.response
+
+    def _room(self, curvature: float) -> float:
+        """Return how far a C [1/mm] is from its nearer limit."""
+        limit = self.design.constraint
+        return min(limit.curvature_max_per_mm - curvature, curvature - limit.curvature_min_per_mm)
+
+    def _promise(self, even: Tried) -> tuple[float, float]:
+        """Return what the best pattern about an even film leaves by the model, and the film's own.
+
+        To a thousandth: below that the film that is better by itself is.
+        """
+        least = least_contrast(self.design.constraint, even, self.response_of(even))
+        return round(least.contrast, 3), even.found.contrast.value
 
     def _next(self, last: Tried, step: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the corrected series; where C would pass its limits, the model's best within."""
