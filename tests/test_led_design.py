@@ -229,7 +229,7 @@ def test_an_interrupted_design_goes_on(tmp_path, monkeypatch):
     text = "[constraint]\npiece_mm = 1.0\nlevels = 8\n"
     text += "[search]\npaths_million = 0.1\niterations = 1\nuniform_per_mm = [60.0]\n"
     text += "[tolerance]\nshift_mm = 0.0\nresin_percent = 0.0\nflux_percent = 0.0\n"
-    one, file = design(tmp_path, text, films=1), tmp_path / "design.toml"
+    one, file = design(tmp_path, text), tmp_path / "design.toml"
 
     def made(name, number, threads):
         monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / f"cache-{name}"))

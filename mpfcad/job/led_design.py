@@ -164,9 +164,10 @@ class LedDesign(Table):
 
     def _refuse_outside(self, low: float, high: float) -> None:
         even = self.search.uniform_per_mm
-        outside = [c for c in even if not low <= c <= high or (self.has_cells and c in (low, high))]
+        one = self.films == 1  # about which the response is measured
+        outside = [c for c in even if not low <= c <= high or (one and c in (low, high))]
         if outside:
-            ends = ", off their ends" if self.has_cells else ""
+            ends = ", off their ends" if one else ""
             raise ValueError(
                 f"search.uniform_per_mm: {outside[0]:g}: expected within the limits of C, "
                 f"{low:g} … {high:g}{ends}"

@@ -1,7 +1,7 @@
 """How thin, how sparse or with how few LEDs: the hardest of a range of boards that still serves.
 
 The model of a board is one trace of an even film in it, with the response that films have by
-experience, or cells by a pilot, and the linear programme of `bound` for the best pattern: a few
+experience, or one film by a pilot, and the linear programme of `bound` for the best pattern: a few
 seconds each. It
 proposes a board by bisection; that one's map is searched and traced from files. What a search
 reached over what the model said corrects the model for the next proposal. The search ends when

@@ -1,4 +1,6 @@
-"""How the light over cells answers to their C, measured: no experience tells it.
+"""How the light over one film answers to its C, measured: no experience tells it.
+
+Grooves, pyramids and dishes differ in size and may differ in sign.
 
 One pattern of all harmonics is laid onto an even film and taken away from it, and both are traced.
 Half the difference of a harmonic of ln L is its response, without what is even in C.

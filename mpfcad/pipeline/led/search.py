@@ -3,7 +3,7 @@
 A film's harmonic answers to that of the luminance over it nearly alone. Uniform films come first;
 the search goes on about that whose best pattern has the least contrast by the model of `bound`.
 Each harmonic of C moves by -L_ij/r_ij, r the response of ln L to C [mm], which is taken from
-the experience below, of cells from a `pilot`, and, once a harmonic has moved, from what it did.
+the experience below, of one film from a `pilot`, and, once a harmonic has moved, from what it did.
 Where the limits of C forbid that move, the best map within them by the same linear model is next.
 Where the pilot's response may be none, no map is tried.
 """
@@ -21,8 +21,8 @@ from mpfcad.pipeline.led.bound import least_contrast
 from mpfcad.pipeline.led.pilot import Pilot, pilot_pattern, read_pilot
 from mpfcad.pipeline.led.tried import Tried, read_tried
 
-#: Response of ln L to C [mm] of one film; of two at C = 74 /mm, and over which C it doubles [1/mm].
-ONE, TWO, AT, DOUBLES = -0.0028, -0.018, 74.0, 10.0
+#: Response of ln L to C [mm] of two films at C = 74 /mm, and over which C it doubles [1/mm].
+TWO, AT, DOUBLES = -0.018, 74.0, 10.0
 #: Bounds of a response that a move has told, over what was taken before.
 _LEAST, _MOST = 0.4, 3.0
 #: Least change [1/mm] that tells a response, if what it is expected to do is over the noise.
@@ -40,7 +40,7 @@ class LedSearch:
     response
         (h+1, h+1) float64 [mm], of ln L to C by harmonic, as the last move told it
     pilot
-        what was measured of cells; None of grooves, and before
+        what was measured of one film; None of two, and before
     """
 
     design: LedDesign
@@ -92,11 +92,10 @@ class LedSearch:
         return self._try(coefficient)
 
     def response_of(self, even: Tried) -> NDArray[np.float64]:
-        """Return the response (h+1, h+1) [mm] about an even film; of cells, measured once."""
+        """Return the response (h+1, h+1) [mm] about an even film; of one film, measured once."""
         size = self.design.constraint.harmonics + 1
-        if not self.design.has_cells:
-            two = TWO * 2 ** ((even.mean - AT) / DOUBLES)
-            return np.full((size, size), ONE if self.design.films == 1 else two)
+        if self.design.films == 2:
+            return np.full((size, size), TWO * 2 ** ((even.mean - AT) / DOUBLES))
         if self.pilot is None:
             middle = max(self.design.search.uniform_per_mm, key=self._room)
             pattern = pilot_pattern(size, self._room(middle))

@@ -64,7 +64,7 @@ def _result(record: Record) -> list[tuple[str, str]]:
 
 
 def pilot_lines(found: Record | None) -> list[str]:
-    """Return what was measured of the response of light to C, in words; none of grooves."""
+    """Return what was measured of the response of light to C, in words; none of two films."""
     if found is None:
         return []
     value, error = found["response_mm"], found["standard_error_mm"]
