@@ -2,9 +2,10 @@
 
 `python benchmarks/confidence_led.py EXPORT JOB [--draws N] [--paths N] [--json]`: the export of
 `mpfcad run JOB --confidence`. Draws all its inputs at once from their widths and traces the films
-in each draw: prints are moved in the map, not by pieces, and written with their resin. All draws
-have one seed, and so has a trace with the inputs as stated. What the export's slopes and second
-orders add to that trace is *told*. Some two CPU seconds a draw.
+in each draw with random numbers of its own: prints are moved in the map, not by pieces, and written
+with their resin. *Told*: the export's own series with its slopes and second orders at the same
+draws; noise of such a trace raises contrasts, so what is told gets it too. Some four CPU seconds a
+draw.
 """
 
 import argparse
@@ -17,42 +18,57 @@ from confidence import shares
 
 #: Seed of the draws and of their traces: none of the program's own.
 SEED = 20_000
-LIMITS = (0.012, 0.018, 0.03)
+LIMITS = (0.018, 0.03, 0.04, 0.05)
 
 
 def traced_and_told(export: Path, job_file: Path, draws: int, paths: int) -> dict:
     """Return what draws of the inputs have, traced, and as the export tells it."""
     from mpfcad.confidence import draw_steps
     from mpfcad.job import read_job
-    from mpfcad.measure.cell.series import CellSeries
-    from mpfcad.pipeline.confidence.cell_variant import MOVES, cell_variants_of
+    from mpfcad.pipeline.confidence.cell_variant import cell_variants_of
     from mpfcad.pipeline.plan.plan import read_plan
 
     job = read_job(job_file)
-    plan = read_plan(job, job_file)
     record = json.loads((export / "verification.json").read_text())
-    stated = {one["name"]: one for one in record["confidence"]["inputs"]}
-    with cell_variants_of(plan, export) as variants:
+    stated = {one["name"] for one in record["confidence"]["inputs"]}
+    with cell_variants_of(read_plan(job, job_file), export) as variants:
         factors = [f for f in variants.factors() if f.name in stated]
-        nominal = _trace(variants, {}, record, paths)
     steps = draw_steps(factors, np.eye(len(factors)), SEED, draws)
-    found = []
+    order = _order(record)
+    found, spread = [], 0.0
     for number, row in enumerate(steps, 1):
-        found.append(_drawn(job, job_file, export, factors, row, record, paths, MOVES))
+        drawn = _drawn(job, job_file, export, factors, row)
+        value, covariance = _trace(*drawn, order, paths, SEED + number)
+        found.append(value)
+        spread = spread + covariance / draws
         if number % 10 == 0:
             print(f"draw {number} of {draws}", file=sys.stderr, flush=True)
+    return compared(record, [f.name for f in factors], steps, np.array(found), spread)
+
+
+def compared(record: dict, names: list, steps, found, spread) -> dict:
+    """Return traced contrasts, those told with noise and without, and the terms that move."""
+    from mpfcad.measure.cell.series import CellSeries
+
     order = _order(record)
-    slope = np.array([stated[f.name]["effect_of_sigma"] for f in factors])
+    one = {i["name"]: i for i in record["confidence"]["inputs"]}
+    slope = np.array([one[name]["effect_of_sigma"] for name in names])
     none = np.zeros(slope.shape[1])
-    bend = np.array([stated[f.name]["second_order"] or none for f in factors])
-    told = nominal + steps @ slope + steps**2 @ bend
+    bend = np.array([one[name]["second_order"] or none for name in names])
+    own = np.array(record["fit"]["coefficient_cd_m2"])
+    start = np.concatenate([own[1:] / own[0], np.zeros(len(order) - len(own))])
+    told = start + steps @ slope + steps**2 @ bend
+    rng = np.random.Generator(np.random.Philox(SEED))
+    value, vector = np.linalg.eigh(spread)
+    noise = rng.standard_normal((50, *told.shape)) @ (vector * np.sqrt(np.maximum(value, 0))).T
     place = np.arange(24) / 24
     u, v = (part.ravel() for part in np.meshgrid(place, place, indexing="ij"))
     fine = CellSeries(order, np.zeros(len(order)), np.zeros((0, 0)), 1.0, 0.0).at(u, v)[:, 1:]
-    contrast = {name: _contrast(rows, fine) for name, rows in (("traced", found), ("told", told))}
+    noisy = (told + noise).reshape(-1, told.shape[1])
     return {
-        **contrast, "told_noisy": contrast["told"], "factors": len(factors),
-        "terms": _terms(order[1:], np.array(found), told, nominal),
+        "traced": _contrast(found, fine), "told": _contrast(told, fine),
+        "told_noisy": _contrast(noisy, fine), "factors": len(names),
+        "terms": _terms(order[1:], found, told, np.sqrt(np.diag(spread))),
     }  # fmt: skip
 
 
@@ -65,36 +81,35 @@ def _order(record: dict) -> np.ndarray:
     return order if len(order) == count + 1 else np.concatenate([order, sines(order)])
 
 
-def _drawn(job, job_file, export, factors, row, record, paths, moves) -> np.ndarray:
-    """Return the terms of one draw, from films that are mapped, printed and written anew."""
-    from mpfcad.pipeline.confidence.cell_variant import cell_variants_of
+def _drawn(job, job_file, export, factors, row):
+    """Return the plan of one draw, its prints moved in their maps, and the other inputs' steps."""
+    from mpfcad.pipeline.confidence.cell_variant import MOVES
     from mpfcad.pipeline.plan.departure import Departure, PrintError
     from mpfcad.pipeline.plan.plan import read_plan
 
-    shift = np.zeros((2, 2))
-    rest = {}
+    shift, rest = np.zeros((2, 2)), {}
     for factor, z in zip(factors, row, strict=True):
-        if factor.name in moves:
-            move = moves[factor.name]
+        if factor.name in MOVES:
+            move = MOVES[factor.name]
             shift[move.film, move.axis] = z * factor.sigma
         else:
             rest[factor] = float(z)
     films = tuple(PrintError(shift=(float(x), float(y))) for x, y in shift)
-    plan = read_plan(job, job_file, Departure(films))
-    with cell_variants_of(plan, export) as variants:
-        return _trace(variants, rest, record, paths)
+    return read_plan(job, job_file, Departure(films)), export, rest
 
 
-def _trace(variants, steps, record, paths) -> np.ndarray:
+def _trace(plan, export, steps, order, paths, seed):
+    """Return the terms over their mean, and their covariance."""
     from mpfcad.measure import trace_terms
     from mpfcad.measure.cell.estimator import Estimator
+    from mpfcad.pipeline.confidence.cell_variant import cell_variants_of
     from mpfcad.pipeline.effort import available_threads
 
-    lit = variants.light(steps)
-    value, _, _ = trace_terms(
-        lit, _order(record), paths, SEED, available_threads(), Estimator.forward
-    )
-    return value[1:] / value[0]
+    with cell_variants_of(plan, export) as variants:
+        value, covariance, _ = trace_terms(
+            variants.light(steps), order, paths, seed, available_threads(), Estimator.forward
+        )
+    return value[1:] / value[0], covariance[1:, 1:] / value[0] ** 2
 
 
 def _contrast(found, fine) -> list[float]:
@@ -103,19 +118,20 @@ def _contrast(found, fine) -> list[float]:
     return ((high - low) / (high + low)).tolist()
 
 
-def _terms(order, found, told, nominal) -> list[dict]:
+def _terms(order, found, told, noise) -> list[dict]:
     """Return of each term how far draws move it, and by how much what is told is off."""
-    rows = []
-    for number, (i, j) in enumerate(order.tolist()):
-        off = found[:, number] - told[:, number]
-        rows.append({
-            "term": [i, j],
-            "traced_sd": float(np.std(found[:, number])),
-            "told_sd": float(np.std(told[:, number])),
-            "off_rms": float(np.sqrt(np.mean(off**2))),
-            "bias": float(off.mean()),
-            "correlation": float(np.corrcoef(found[:, number], told[:, number])[0, 1]),
-        })  # fmt: skip
+    off = found - told
+    rows = [
+        {
+            "term": pair,
+            "traced_sd": float(np.std(found[:, n])),
+            "told_sd": float(np.std(told[:, n])),
+            "off_rms": float(np.sqrt(np.mean(off[:, n] ** 2))),
+            "bias": float(off[:, n].mean()),
+            "noise": float(noise[n]),
+        }
+        for n, pair in enumerate(order.tolist())
+    ]
     return sorted(rows, key=lambda row: -row["told_sd"])
 
 
@@ -125,7 +141,7 @@ def main() -> int:
     parser.add_argument("export", type=Path)
     parser.add_argument("job", type=Path)
     parser.add_argument("--draws", type=int, default=60)
-    parser.add_argument("--paths", type=int, default=130_000)
+    parser.add_argument("--paths", type=int, default=400_000)
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()
     found = traced_and_told(asked.export, asked.job, asked.draws, asked.paths)
@@ -137,13 +153,14 @@ def main() -> int:
         low, high = row["ci95"]
         print(
             f"contrast within {row['limit']}: traced {row['traced']:.3f} [{low:.3f}, {high:.3f}] "
-            f"of {asked.draws}; told {row['told']:.3f}"
+            f"of {asked.draws}; told with such noise {row['told_with_noise']:.3f}, without "
+            f"{row['told']:.3f}"
         )
     for row in found["terms"][:6]:
         print(
             f"term {row['term']}: draws move it by {row['traced_sd']:.4f} traced, "
-            f"{row['told_sd']:.4f} told; off by {row['off_rms']:.4f}, bias {row['bias']:+.4f}, "
-            f"correlation {row['correlation']:.2f}"
+            f"{row['told_sd']:.4f} told; off by {row['off_rms']:.4f}, mean {row['bias']:+.4f}, "
+            f"noise of a trace {row['noise']:.4f}"
         )
     print(f"{found['factors']} inputs")
     return 0
