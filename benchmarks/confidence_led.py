@@ -48,28 +48,36 @@ def traced_and_told(export: Path, job_file: Path, draws: int, paths: int) -> dic
 
 def compared(record: dict, names: list, steps, found, spread) -> dict:
     """Return traced contrasts, those told with noise and without, and the terms that move."""
-    from mpfcad.measure.cell.series import CellSeries
-
     order = _order(record)
-    one = {i["name"]: i for i in record["confidence"]["inputs"]}
-    slope = np.array([one[name]["effect_of_sigma"] for name in names])
-    none = np.zeros(slope.shape[1])
-    bend = np.array([one[name]["second_order"] or none for name in names])
-    own = np.array(record["fit"]["coefficient_cd_m2"])
-    start = np.concatenate([own[1:] / own[0], np.zeros(len(order) - len(own))])
-    told = start + steps @ slope + steps**2 @ bend
+    best = _response(record, names, order).shrunk()
+    told = best.start + steps @ best.slope + steps**2 @ best.bend
     rng = np.random.Generator(np.random.Philox(SEED))
     value, vector = np.linalg.eigh(spread)
     noise = rng.standard_normal((50, *told.shape)) @ (vector * np.sqrt(np.maximum(value, 0))).T
+    noisy = (told + noise).reshape(-1, told.shape[1])
+    return {
+        "traced": _contrast(found, best.basis), "told": _contrast(told, best.basis),
+        "told_noisy": _contrast(noisy, best.basis), "factors": len(names),
+        "terms": _terms(order[1:], found, told, np.sqrt(np.diag(spread))),
+    }  # fmt: skip
+
+
+def _response(record: dict, names: list, order):
+    """Return the response that an export states; of the second order no noise is in it."""
+    from mpfcad.confidence import Response
+    from mpfcad.measure.cell.series import CellSeries
+
+    one = {i["name"]: i for i in record["confidence"]["inputs"]}
+    slope = np.array([one[name]["effect_of_sigma"] for name in names])
+    spread = np.array([np.diag(np.square(one[name]["standard_error"])) for name in names])
+    bend = np.array([one[name]["second_order"] or 0 * slope[0] for name in names])
+    own = np.array(record["fit"]["coefficient_cd_m2"])
+    start = np.concatenate([own[1:] / own[0], np.zeros(len(order) - len(own))])
     place = np.arange(24) / 24
     u, v = (part.ravel() for part in np.meshgrid(place, place, indexing="ij"))
     fine = CellSeries(order, np.zeros(len(order)), np.zeros((0, 0)), 1.0, 0.0).at(u, v)[:, 1:]
-    noisy = (told + noise).reshape(-1, told.shape[1])
-    return {
-        "traced": _contrast(found, fine), "told": _contrast(told, fine),
-        "told_noisy": _contrast(noisy, fine), "factors": len(names),
-        "terms": _terms(order[1:], found, told, np.sqrt(np.diag(spread))),
-    }  # fmt: skip
+    none = np.zeros((len(start),) * 2)
+    return Response(start, none, slope, spread, bend, 0 * spread, fine)
 
 
 def _order(record: dict) -> np.ndarray:

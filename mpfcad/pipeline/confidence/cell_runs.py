@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mpfcad.confidence import Factor, Response, shrink_each
+from mpfcad.confidence import Factor, Response
 from mpfcad.measure import POINTS, CellResult, trace_terms
 from mpfcad.pipeline.confidence.cell_variant import MOVES, CellVariants
 from mpfcad.pipeline.confidence.runs import CURVED, Reading, Runs
@@ -54,15 +54,10 @@ class CellRuns(Runs):
         self.progress.stage("confidence: resin and registration")
         bend, bend_covariance, own, own_covariance = self._bends(shape, CURVED * blocks)
         slope[curved], slope_covariance[curved] = own[curved], own_covariance[curved]
-        return self._shrunk(slope, slope_covariance, bend, bend_covariance)
-
-    def _shrunk(self, *parts: NDArray[np.float64]) -> Response:
-        """Return the response of slopes and bends, each with its covariance, less their noise."""
-        slope, bend = (
-            shrink_each(*_kept(effect, covariance, mask))
-            for effect, covariance, mask in zip(parts[::2], parts[1::2], self._masks(), strict=True)
+        first, second = self._masks()
+        return self._response(
+            *_kept(slope, slope_covariance, first), *_kept(bend, bend_covariance, second)
         )
-        return self._response(*slope, *bend)
 
     def _masks(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Return which terms each input can move in first order, and in second, (k, m)."""

@@ -181,14 +181,10 @@ class Runs:
         blocks = self._blocks(paths / 1e6)
         shape = (len(self.factors), len(self.reading.start))
         bend, bend_covariance, slope, slope_covariance = self._bends(shape, blocks)
-        return self._shrunk(slope, slope_covariance, bend, bend_covariance)
-
-    def _shrunk(self, *parts: NDArray[np.float64]) -> Response:
-        """Return the response of slopes and bends, each with its covariance, less their noise."""
-        slope, bend = parts[:2], parts[2:]
         if not self.reading.is_sharp:
-            slope, bend = shrink_each(*slope), shrink_each(*bend)
-        return self._response(*slope, *bend)
+            bend, bend_covariance = shrink_each(bend, bend_covariance)
+            slope, slope_covariance = shrink_each(slope, slope_covariance)
+        return self._response(slope, slope_covariance, bend, bend_covariance)
 
     def _response(
         self,
