@@ -1,7 +1,11 @@
-"""What the tests of the command line share: a run in a process of its own, what comes of it."""
+"""What the tests of the command line share: a run in a process of its own or here, and its end."""
 
+import contextlib
+import io
 import subprocess
 import sys
+
+from mpfcad.cli import run_app
 
 #: The smallest panel: one lamp, 80 grooves.
 SMALL_STACK = """[stack.override]
@@ -14,11 +18,23 @@ panel_length_mm = 2.0
 """
 
 
-def mpfcad(*arguments, cwd, timeout=600):
-    """Run the command line in its own process."""
+def mpfcad(*arguments, cwd=None, timeout=600):
+    """Run the command line in its own process: for what only a process has, as it is slow."""
     code = "from mpfcad.cli import main; main()"
     command = [sys.executable, "-c", code, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=timeout)
+
+
+def called(*arguments, cwd=None):
+    """Run the command line in this process, where no process of its own is looked at."""
+    out, err = io.StringIO(), io.StringIO()
+    with (
+        contextlib.chdir(cwd or "."),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        code = run_app([*map(str, arguments)])
+    return subprocess.CompletedProcess(arguments, code, out.getvalue(), err.getvalue())
 
 
 def content(folder):

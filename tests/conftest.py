@@ -1,11 +1,13 @@
 """Keeps compiled kernels between runs, in the way that the package does, but apart from the user's.
 
-The package's own kernels are kept under the text of all kernels. The tests' own call those, and
-numba's cache does not know it: so the folder too is named for that text and for the tests'.
+The package's own kernels are kept under the text of all kernels. The tests' own are kept with them,
+but that key does not hold their text: so the folder is named for the text of both.
 """
 
 import hashlib
 import os
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -38,9 +40,9 @@ settings.load_profile("kernels")
 
 
 def pytest_sessionstart(session):
-    """Compile the tracer before the first parallel run, or each worker would for itself."""
+    """Compile most kernels before the first parallel run, or each worker would for itself."""
     leads = getattr(session.config.option, "dist", "no") != "no"
     if leads and not _KERNELS.exists() and not session.config.option.collectonly:
-        from mpfcad.optics.engine import compile_tracer
-
-        compile_tracer()
+        command = [sys.executable, str(_HERE / "warm.py")]
+        for part in [subprocess.Popen([*command, number]) for number in "01"]:
+            part.wait()

@@ -7,6 +7,7 @@ from manifold3d import triangulate
 from numba import njit, uint64
 
 from mpfcad.optics import sheet, slab
+from mpfcad.optics.base.kernel import FLAVOUR
 from mpfcad.optics.base.recorder import FLOWS
 from mpfcad.optics.base.sampling import RNG_SIZE, disk, start_path
 from mpfcad.optics.bsdf.passage import bsdf_passage
@@ -29,6 +30,7 @@ from mpfcad.optics.solid.mesh import FilmMesh, read_film_mesh
 from mpfcad.optics.stokes.engine import trace_polarised
 from mpfcad.optics.stokes.state import LIGHT_SHAPE, ROWS
 from mpfcad.optics.wave import Wave
+from mpfcad.store.kernel import kept
 
 PITCH, DEPTH, HALF = 0.050, 0.025, 0.025
 
@@ -242,10 +244,11 @@ def single_paths(scene, source, seed, first, out, flow):
 
 def compiled(kernel):
     """Return a kernel as a function that Python can call."""
-    return njit(error_model="numpy", _nrt=False)(kernel.py_func)
+    return kept(njit(error_model="numpy", _nrt=False)(kernel.py_func), f"{FLAVOUR} alone")
 
 
-@njit(cache=True)
+@kept
+@njit
 def pass_layers(scene, enter_below, seed, out):
     """Send Lambertian light into a scene without cavity; out (n, 4): way, kx, ky, weight."""
     rng = np.zeros(RNG_SIZE, np.uint64)
@@ -289,7 +292,8 @@ def pass_layers(scene, enter_below, seed, out):
         out[i, 1], out[i, 2], out[i, 3] = dx, dy, weight
 
 
-@njit(cache=True)
+@kept
+@njit
 def pass_film(tiles, index, up, start, seed, out):
     """Send given rays (n, 5: x, y, dx, dy, dz) through a film; out (n, 4): way, dx, dy, dz."""
     rng = np.zeros(RNG_SIZE, np.uint64)

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 
 import mpfcad
 from mpfcad.api.fit import FitResult
 from mpfcad.api.result import Export, Measurement, Run, Trace
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 
 MASKS = Path(__file__).parents[1] / "masks"
 STACK = (
@@ -23,8 +23,7 @@ STACK = (
 
 @pytest.fixture(scope="module")
 def short_trace():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 100_000))
+    with few_paths():
         yield
 
 

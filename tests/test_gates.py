@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 
 from mpfcad.cad import write_step, write_stl
 from mpfcad.cli import run_app
@@ -16,7 +17,6 @@ from mpfcad.mask import check_mask, write_mask
 from mpfcad.mask.check.drc import check_windows, sample_windows
 from mpfcad.mask.check.read_oasis import read_oasis
 from mpfcad.mask.rule import GRID
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting
 from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.plan.printed.order import phototool
 from mpfcad.pipeline.progress import SILENT
@@ -301,10 +301,10 @@ def test_a_run_with_a_torn_mesh_ends_in_a_report_and_exit_1(plan, tmp_path, monk
         path.write_bytes(path.read_bytes()[:-50])
 
     monkeypatch.setattr(run_module, "write_cad", torn)
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 10_000))
     out = tmp_path / "out"
     command = ["run", str(tmp_path / "job.toml"), "--out", str(out), "--effort", "quick"]
-    assert run_app(command) == 1
+    with few_paths():
+        assert run_app(command) == 1
     record = json.loads((out / "verification.json").read_text())
     assert record["verdict"] == "FAIL"
     gates = {gate["name"]: gate for gate in record["gates"]}
@@ -316,7 +316,8 @@ def test_a_run_with_a_torn_mesh_ends_in_a_report_and_exit_1(plan, tmp_path, monk
     assert "Not traced: film.stl does not read back" in page
     printed = capsys.readouterr().out
     assert "FAIL         mesh_watertight" in printed
-    assert run_app(["verify", str(out)]) == 1
+    with few_paths():
+        assert run_app(["verify", str(out)]) == 1
     assert "verified: every hash holds" in capsys.readouterr().out
     (out / "curvature.csv").write_text("changed")
     assert run_app(["verify", str(out)]) == 4

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 
 from mpfcad.errors import InputError
 from mpfcad.job import build_job
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, read_plan, run_job, verify_export
+from mpfcad.pipeline import read_plan, run_job, verify_export
 
 ROWS = [[0.0, 62.0], [1.0, 60.0], [2.5, 57.0], [4.0, 55.0]]
 STACK = (
@@ -54,12 +55,12 @@ def test_one_map_only(tmp_path):
         job(tmp_path, rows=ROWS, curvature_per_mm=60.0)
 
 
-def test_a_job_that_is_in_no_file_is_run_and_verified(tmp_path, monkeypatch):
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 100_000))
-    record = run_job(
-        job(tmp_path, rows=ROWS), tmp_path / "none.toml", tmp_path / "out", effort="quick"
-    )
-    assert not Path(tmp_path / "none.toml").exists()
-    assert len(record["provenance"]["inputs_sha256"]["none.toml"]) == 64
-    stored = json.loads((tmp_path / "out" / "verification.json").read_text())
-    assert verify_export(tmp_path / "out") == stored
+def test_a_job_that_is_in_no_file_is_run_and_verified(tmp_path):
+    with few_paths():
+        record = run_job(
+            job(tmp_path, rows=ROWS), tmp_path / "none.toml", tmp_path / "out", effort="quick"
+        )
+        assert not Path(tmp_path / "none.toml").exists()
+        assert len(record["provenance"]["inputs_sha256"]["none.toml"]) == 64
+        stored = json.loads((tmp_path / "out" / "verification.json").read_text())
+        assert verify_export(tmp_path / "out") == stored

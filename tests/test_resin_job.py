@@ -4,13 +4,14 @@ import json
 import shutil
 
 import pytest
+from few_paths import few_paths
 from harness import BARE, film_file
 
 from mpfcad.backlight import PRISM_FILE, stack_file
 from mpfcad.backlight.stored import describe_stack, restore_stack
 from mpfcad.errors import ExportError, InputError
 from mpfcad.job import build_job, read_job
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+from mpfcad.pipeline import run_job, verify_export
 from mpfcad.pipeline.plan.plan import read_plan
 from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.stack_mesh import write_stack_meshes
@@ -123,9 +124,14 @@ particle_density_per_mm3 = 1e5
 """
 
 
-def test_such_a_job_runs_and_is_verified_from_its_export_alone(tmp_path, monkeypatch):
-    setting = TraceSetting(half_width_goal=1.0, path_limit=20_000)
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", setting)
+@pytest.fixture
+def _few_paths():
+    with few_paths():
+        yield
+
+
+@pytest.mark.usefixtures("_few_paths")
+def test_such_a_job_runs_and_is_verified_from_its_export_alone(tmp_path):
     given = tmp_path / "given"
     given.mkdir()
     film_file(given / "bef.stl", [BARE])

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 from jsonschema import ValidationError, validate
 
 from mpfcad.cli import run_app
 from mpfcad.errors import ExportError
 from mpfcad.job import read_job
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+from mpfcad.pipeline import run_job, verify_export
 from mpfcad.record import published_schema
 
 MASKS = Path(__file__).parents[1] / "masks"
@@ -33,10 +34,10 @@ FILES = [
 ]
 #: Of a job with a mesh alone.
 PRINTED = ("coupons.csv", "order.pdf")
-SHORT = TraceSetting(half_width_goal=1.0, path_limit=100_000)
 
 
 #: A narrow panel with lamps close together, so that its files are quickly made.
+PRESET = 'preset = "thesis-32in-mpf"'
 SMALL = (
     'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
     "lamp_count = 5\nlamp_pitch_mm = 8.0\n"
@@ -45,20 +46,36 @@ SMALL = (
 
 @pytest.fixture(scope="module")
 def short_trace():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(TRACE_SETTINGS, "quick", SHORT)
+    with few_paths():
         yield
 
 
-def run(out, threads, name="patterned-16mm"):
-    job_file = MASKS / f"{name}.toml"
+def run(job_file, out, threads):
     return run_job(read_job(job_file), job_file, out, effort="quick", threads=threads)
 
 
+@pytest.fixture(scope="module", params=["small", pytest.param("whole", marks=pytest.mark.slow)])
+def job_file(request, tmp_path_factory):
+    """Give the main job as it is, or for the narrow panel with its map as wide as a pitch there."""
+    if request.param == "whole":
+        return MASKS / "patterned-16mm.toml"
+    folder = tmp_path_factory.mktemp("job")
+    position, curvature = np.loadtxt(MASKS / "patterned-16mm.csv", delimiter=",", skiprows=1).T
+    table = np.stack([position * 8.0 / 32.69, curvature], axis=1)
+    names = "position_mm,curvature_per_mm"
+    np.savetxt(folder / "patterned-16mm.csv", table, "%.6f", ",", header=names, comments="")
+    (folder / "small.toml").write_text(SMALL)
+    text = (MASKS / "patterned-16mm.toml").read_text()
+    assert PRESET in text
+    text = text.replace(PRESET, 'file = "small.toml"') + "\n[cad]\nlength_mm = 0.5\n"
+    (folder / "patterned-16mm.toml").write_text(text)
+    return folder / "patterned-16mm.toml"
+
+
 @pytest.fixture(scope="module")
-def export(tmp_path_factory, short_trace):
+def export(job_file, tmp_path_factory, short_trace):
     out = tmp_path_factory.mktemp("exports") / "patterned-16mm"
-    run(out, 1)
+    run(job_file, out, 1)
     return out
 
 
@@ -72,8 +89,8 @@ def test_export_holds_its_files_and_nothing_else_is_left(export):
     assert [path.name for path in export.parent.iterdir()] == ["patterned-16mm"]
 
 
-def test_same_bytes_again_at_another_thread_count(export, tmp_path):
-    run(tmp_path / "again", 2)
+def test_same_bytes_again_at_another_thread_count(job_file, export, tmp_path):
+    run(job_file, tmp_path / "again", 2)
     for name in FILES:
         assert (tmp_path / "again" / name).read_bytes() == (export / name).read_bytes(), name
 
@@ -314,9 +331,10 @@ def test_empty_film_is_a_bef_without_apertures(tmp_path, short_trace):
 @pytest.mark.parametrize(("command", "kind"), [("mask", "oas"), ("cad", "stl")])
 def test_single_steps_write_only_what_was_asked(tmp_path, command, kind, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    job = MASKS / "uniform-c60.toml"
+    text = 'name = "c60"\n[map]\ncurvature_per_mm = 60.0\n[process]\nsolids_fraction = 0.5\n'
+    job = small_job(tmp_path, text + '[mask]\nmesh = "150-31"\n')
     assert run_app([command, str(job), "--format", kind]) == 0
-    folder = tmp_path / "exports" / f"uniform-c60-{command}"
+    folder = tmp_path / "exports" / f"c60-{command}"
     made = {
         "mask": ["coupons.csv", "mask.lyrdb", "mask.oas", "mask.png", "order.pdf", "screen.json"],
         "cad": ["film.stl"],
@@ -361,10 +379,12 @@ def test_verify_tells_a_build_server(own, changed, tmp_path, capsys):
         assert suite.get("failures") == str(len(bad))
 
 
-def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(export, capsys):
+def test_trace_of_the_shipped_file_gives_the_figures_of_the_run(job_file, export, capsys):
     stored = json.loads((export / "verification.json").read_text())
     offset = repr(stored["provenance"]["traced"]["offset_mm"])
     options = ["--thickness-mm", "16", "--offset-mm", offset, "--effort", "quick", "--json"]
+    if (stack := job_file.parent / "small.toml").is_file():
+        options = ["--stack", str(stack), *options]
     assert run_app(["trace", str(export / "film.stl"), *options]) == 0
     figures = json.loads(capsys.readouterr().out)
     assert figures["luminance"] == stored["luminance"]

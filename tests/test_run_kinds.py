@@ -5,9 +5,10 @@ from html import unescape
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 
 from mpfcad.job import read_job
-from mpfcad.pipeline import TRACE_SETTINGS, TraceSetting, run_job, verify_export
+from mpfcad.pipeline import run_job, verify_export
 
 STACK = (
     'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 12.0\npanel_length_mm = 10.0\n'
@@ -29,8 +30,7 @@ UNIFORM = "curvature_per_mm = 58.0"
 
 
 @pytest.fixture
-def job_file(tmp_path, monkeypatch):
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 10_000))
+def job_file(tmp_path):
     (tmp_path / "small.toml").write_text(STACK)
     x = np.arange(0.0, 0.2, 0.0005)
     local = (x + 0.025) % 0.05 - 0.025
@@ -53,7 +53,8 @@ def job_file(tmp_path, monkeypatch):
         )
         return path
 
-    return write
+    with few_paths():
+        yield write
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,30 @@ import json
 import numpy as np
 import pytest
 
+from mpfcad import film
 from mpfcad.cli import run_app
 from mpfcad.film import Groove, StylusTip, read_process
 from mpfcad.film.stylus.dilated import DilatedGroove
 
 BEF = Groove(0.050, 0.025)
 TRUTH = {"a.csv": (0.05, 66.0), "b.csv": (0.10, 55.0), "c.csv": (0.20, 45.0)}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _fitted_once():
+    """Fit the three traces, which the tests write alike, once: a fit takes a second."""
+    known, fit = {}, film.fit_stylus_trace
+
+    def remembered(trace, *arguments, **options):
+        heights = trace.position.tobytes() + trace.height.tobytes()
+        key = heights, repr((trace.name, trace.tip, trace.reading, arguments, options))
+        if key not in known:
+            known[key] = fit(trace, *arguments, **options)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(film, "fit_stylus_trace", remembered)
+        yield
 
 
 @pytest.fixture

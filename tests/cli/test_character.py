@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from mpfcad.cli.character import PLAIN
@@ -24,29 +25,37 @@ def run(*arguments, encoding=None, columns=None, cwd=None, **options):
     )
 
 
+@pytest.fixture(scope="module")
+def plain():
+    return run("stacks").stdout.decode()
+
+
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii", "cp437", "utf-8"])
-def test_text_reads_in_any_encoding(encoding):
-    plain = run("stacks")
+def test_text_reads_in_any_encoding(encoding, plain):
     found = run("stacks", encoding=encoding)
     assert (found.returncode, found.stderr) == (0, b"")
     text = found.stdout.decode(encoding)
-    assert len(text.splitlines()) == len(plain.stdout.decode().splitlines())
-    assert text.count("thesis-32in-mpf") == plain.stdout.decode().count("thesis-32in-mpf")
-    assert text.count("?") == plain.stdout.decode().count("?")
+    assert len(text.splitlines()) == len(plain.splitlines())
+    assert text.count("thesis-32in-mpf") == plain.count("thesis-32in-mpf")
+    assert text.count("?") == plain.count("?")
 
 
 def test_json_is_the_same_in_any_encoding(tmp_path):
-    table = tmp_path / "µ-sheet.csv"
-    lines = [f"{x},{max(0.0, abs((x % 50) - 25) * 1.0):.3f}" for x in range(100)]
-    table.write_text("x_um,z_um\n" + "\n".join(lines))
+    curve = tmp_path / "µ-sheet.csv"
+    place = np.arange(0.0, 70.0, 0.5)
+    light = 6000 * (1 + 0.005 * np.cos(2 * np.pi * place / 16))
+    light += np.random.default_rng(3).normal(0, 3, len(place))
+    rows = np.stack([place, light], axis=1)
+    np.savetxt(curve, rows, "%.4f", ",", header="position_mm,luminance_cd_m2", comments="")
     found = [
-        run("calibrate", table.name, "--json", encoding=encoding, cwd=tmp_path).stdout
+        run("judge", curve.name, "--json", encoding=encoding, cwd=tmp_path).stdout
         for encoding in ("utf-8", "cp1252", "ascii")
     ]
     texts = [
         json.loads(part.decode("utf-8" if i == 0 else "ascii")) for i, part in enumerate(found)
     ]
     assert texts[0] == texts[1] == texts[2]
+    assert texts[0]["file"] == curve.name
 
 
 @pytest.mark.parametrize("columns", [20, 80])

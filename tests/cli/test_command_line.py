@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from command import called, mpfcad
 
 from mpfcad.cli import run_app
 
@@ -12,15 +13,6 @@ HEAVY = (
     "numpy", "scipy", "numba", "pydantic", "plotly", "build123d", "OCP", "trimesh", "klayout",
     "gdstk", "manifold3d", "shapely", "rich",
 )  # fmt: skip
-
-
-def mpfcad(*arguments, cwd=None, env=None):
-    """Run the command line in its own process."""
-    code = "from mpfcad.cli import main; main()"
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(
-        command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120, check=False
-    )
 
 
 def fails(result, code, *words):
@@ -81,7 +73,7 @@ def test_help_is_instant():
     ],
 )
 def test_every_subcommand_has_help(command):
-    result = mpfcad(command, "--help")
+    result = called(command, "--help")
     assert result.returncode == 0
     assert "Usage: mpfcad" in result.stdout
 
@@ -100,7 +92,7 @@ def test_every_subcommand_stands_in_a_group_with_an_example_that_parses():
         program, command, *arguments = shlex.split(example)
         assert (program, command) == ("mpfcad", name)
         group.commands[name].make_context(name, arguments)
-        assert example in mpfcad(name, "--help").stdout
+        assert example in called(name, "--help").stdout
 
 
 def test_doctor_says_what_is_here():
@@ -134,22 +126,22 @@ def test_version():
     ],
 )
 def test_bad_usage_is_one_line_and_exit_2(tmp_path, arguments, words):
-    fails(mpfcad(*arguments, cwd=tmp_path), 2, words)
+    fails(called(*arguments, cwd=tmp_path), 2, words)
     assert not list(tmp_path.iterdir())
 
 
 def test_init_writes_a_job_once(tmp_path):
-    assert mpfcad("init", "my.toml", cwd=tmp_path).returncode == 0
+    assert called("init", "my.toml", cwd=tmp_path).returncode == 0
     written = (tmp_path / "my.toml").read_text()
-    fails(mpfcad("init", "my.toml", cwd=tmp_path), 2, "my.toml: exists")
+    fails(called("init", "my.toml", cwd=tmp_path), 2, "my.toml: exists")
     assert (tmp_path / "my.toml").read_text() == written
 
 
 def test_a_job_that_init_writes_has_its_file_s_name(tmp_path):
-    result = mpfcad("init", "wave-2.toml", cwd=tmp_path)
+    result = called("init", "wave-2.toml", cwd=tmp_path)
     assert 'name = "wave-2" ' in (tmp_path / "wave-2.toml").read_text("utf-8")
     assert "exports/wave-2" in result.stdout
-    fails(mpfcad("init", "our film.toml", cwd=tmp_path), 2, "our film.toml: name: our film")
+    fails(called("init", "our film.toml", cwd=tmp_path), 2, "our film.toml: name: our film")
     assert [path.name for path in tmp_path.iterdir()] == ["wave-2.toml"]
 
 
@@ -182,7 +174,7 @@ def test_bad_map_is_one_line_exit_2_and_nothing_is_written(tmp_path, map_table, 
     (tmp_path / "job.toml").write_text(f'name = "bad"\n[map]\n{map_table}\n')
     (tmp_path / "bad.csv").write_text("position_mm,curvature_per_mm\n0,60\n1,nan\n32.69,60\n")
     before = sorted(path.name for path in tmp_path.iterdir())
-    fails(mpfcad("run", "job.toml", cwd=tmp_path), 2, words)
+    fails(called("run", "job.toml", cwd=tmp_path), 2, words)
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
 

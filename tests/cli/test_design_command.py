@@ -11,7 +11,8 @@ import tomllib
 import numpy as np
 import psutil
 import pytest
-from command import content, mpfcad, refused
+from command import called, content, mpfcad, refused
+from few_paths import few_paths
 
 DESIGN = """
 schema = 1
@@ -100,7 +101,7 @@ def test_a_design_is_found_and_resumes_to_the_same_bytes(tmp_path, monkeypatch):
 )
 def test_what_is_wrong_with_a_design_is_said_in_one_line(tmp_path, change, words):
     (tmp_path / "design.toml").write_text(DESIGN.format(profile="filled").replace(*change))
-    result = mpfcad("design", "design.toml", cwd=tmp_path)
+    result = called("design", "design.toml", cwd=tmp_path)
     refused(result, "design.toml", *words)
     assert not (tmp_path / "exports").exists()
 
@@ -110,7 +111,8 @@ def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
 
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
+    with few_paths():
+        result = called("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     out, points = tmp_path / "exports" / "few-sweep", tmp_path / "cache" / "point"
     whole = content(out)
@@ -122,7 +124,8 @@ def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
     assert ((low <= value) & (value <= high)).all()
 
     next(points.iterdir()).unlink()
-    result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
+    with few_paths():
+        result = called("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
     assert "3 of 4 points are there" in result.stderr
     assert content(out) == whole
 
@@ -145,7 +148,7 @@ def test_a_sweep_resumes_and_is_a_labelled_dataset(tmp_path, monkeypatch):
 )
 def test_what_is_wrong_with_a_sweep_is_said_before_it_starts(tmp_path, change, words):
     (tmp_path / "sweep.toml").write_text(SWEEP.replace(*change))
-    result = mpfcad("sweep", "sweep.toml", cwd=tmp_path)
+    result = called("sweep", "sweep.toml", cwd=tmp_path)
     refused(result, *words)
     assert not (tmp_path / "exports").exists()
 

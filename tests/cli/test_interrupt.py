@@ -18,7 +18,7 @@ GOES_ON = ": a trace goes on where it was when the same command is given again"
     ("work", "number", "code", "word"),
     [
         (RUN, signal.SIGINT, 130, "interrupted"),
-        (RUN, signal.SIGTERM, 143, "terminated"),
+        pytest.param(RUN, signal.SIGTERM, 143, "terminated", marks=pytest.mark.slow),
         (CAD, signal.SIGTERM, 143, "terminated"),
     ],
     ids=["ctrl-c", "kill", "kill of a command without a trace"],

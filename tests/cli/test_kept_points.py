@@ -4,6 +4,7 @@ import json
 import shutil
 
 import pytest
+from few_paths import few_paths
 
 from mpfcad.job.sweep import read_sweep
 from mpfcad.pipeline import run_sweep
@@ -69,7 +70,8 @@ def done(first, folder):
 def swept(folder, out="out"):
     """Return what a sweep tells, and the bytes of its dataset."""
     told, file = Told(), folder / "sweep.toml"
-    run_sweep(read_sweep(file), file, folder / out, workers=1, progress=told)
+    with few_paths():
+        run_sweep(read_sweep(file), file, folder / out, workers=1, progress=told)
     return told, (folder / out / "sweep.nc").read_bytes()
 
 

@@ -1,21 +1,14 @@
 """`mpfcad mask --plan`, and masks of 2-D maps, through the command line."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from command import called, refused
 
 UNIFORM = "curvature_per_mm = 55.0"
 FIELD = 'file = "field.npz"\nextent = "panel"'
 PANEL = "[stack.override]\npanel_width_mm = 34.0\npanel_length_mm = 60.0\nlamp_count = 1\n"
-
-
-def mpfcad(*arguments, cwd):
-    code = "from mpfcad.cli import main; main()"
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
 
 
 def job(folder, map_table, mask_table):
@@ -27,19 +20,11 @@ def job(folder, map_table, mask_table):
     np.savez(folder / "field.npz", **dict(zip(names, (x, y, curvature), strict=True)))
 
 
-def refused(result, *words):
-    assert result.returncode == 2, result.stderr
-    lines = [line for line in result.stderr.splitlines() if line.startswith("mpfcad: ")]
-    assert len(lines) == 1, result.stderr
-    for word in words:
-        assert word in lines[0]
-
-
 def test_the_plan_says_what_screen_is_needed_and_makes_nothing(tmp_path):
     mask = 'period_um = 1000.0\npixel_um = 363.0\n[mask.mesh]\nname = "120-34"\nangle_deg = 0.0'
     job(tmp_path, UNIFORM, mask)
     before = sorted(tmp_path.iterdir())
-    result = mpfcad("mask", "job.toml", "--plan", cwd=tmp_path)
+    result = called("mask", "job.toml", "--plan", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "mesh 120-34: opening 49.33 µm, open area 35%, volume 18.23 cm³/m²" in result.stdout
     assert "so 65% leaves" in result.stdout
@@ -52,7 +37,7 @@ def test_mesh_and_release_give_the_fill(tmp_path):
     mask = 'period_um = 1000.0\n[mask.mesh]\nname = "120-34"\nrelease = 0.5\nemulsion_um = 4.0'
     mask += '\n[process]\nmodel = "linear"'
     job(tmp_path, UNIFORM, mask)
-    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    result = called("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
     assert result.returncode == 1, result.stderr
     for gate in ("ripple_luminance",):  # 1 mm of period, 1 mm of levelling
         assert f"FAIL         screen_{gate} " in result.stdout
@@ -88,14 +73,14 @@ def test_mesh_and_release_give_the_fill(tmp_path):
 )
 def test_what_cannot_be_made_is_said_in_one_line(tmp_path, mask, words):
     job(tmp_path, UNIFORM, mask)
-    refused(mpfcad("mask", "job.toml", "--plan", cwd=tmp_path), *words)
+    refused(called("mask", "job.toml", "--plan", cwd=tmp_path), *words)
 
 
 @pytest.mark.parametrize("pattern", ["slot", "dot", "blue-noise", "error-diffused"])
 def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
     period = 400 if pattern == "slot" else 50
     job(tmp_path, FIELD, f'pattern = "{pattern}"\nperiod_um = {period}.0\nmin_aperture_um = 9.0')
-    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    result = called("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"mask.oas", "screen.json", "manifest.json"} <= names
@@ -104,12 +89,12 @@ def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
 def test_a_2d_map_is_refused_by_what_needs_one_section(tmp_path):
     job(tmp_path, FIELD, 'pattern = "dot"\nperiod_um = 50.0\nmin_aperture_um = 9.0')
     refused(
-        mpfcad("mould", "job.toml", cwd=tmp_path),
+        called("mould", "job.toml", cwd=tmp_path),
         "job.toml: map.file: varies along",
         "a mould is turned",
     )
     job(tmp_path, 'file = "field.npz"', 'pattern = "dot"\nperiod_um = 50.0')
-    refused(mpfcad("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: expected 'panel'")
+    refused(called("mask", "job.toml", cwd=tmp_path), "map.extent: pitch: expected 'panel'")
 
 
 SHEET = "threads_per_cm = 90, thread_um = 48, "
@@ -117,7 +102,7 @@ SHEET = "threads_per_cm = 90, thread_um = 48, "
 
 def planned(folder, figures):
     job(folder, UNIFORM, f"period_um = 1200\nmesh = {{ {SHEET}{figures} }}")
-    return mpfcad("mask", "job.toml", "--plan", cwd=folder)
+    return called("mask", "job.toml", "--plan", cwd=folder)
 
 
 def test_what_a_data_sheet_states_stands_beside_what_geometry_gives(tmp_path):
@@ -163,7 +148,7 @@ lamp_pitch_mm = 4.0
 def test_a_film_beyond_the_process_says_what_would_make_it_and_that_makes_it(tmp_path):
     (tmp_path / "job.toml").write_text(BIG)
     refused(
-        mpfcad("mask", "job.toml", "--plan", cwd=tmp_path),
+        called("mask", "job.toml", "--plan", cwd=tmp_path),
         "job.toml: map: grooves 0-1: curvature_per_mm 1 … 1: expected 1.666 … 2, ",
         "process.calibration or mask.mesh that fills 0.3333, or film.profile = 'ideal'",
     )
@@ -171,7 +156,7 @@ def test_a_film_beyond_the_process_says_what_would_make_it_and_that_makes_it(tmp
     own += "[groove]\npitch_um = 2000.0\ndepth_um = 1000.0\n"
     (tmp_path / "own.toml").write_text("schema = 1\n" + own)
     (tmp_path / "job.toml").write_text(BIG + '[process]\ncalibration = "own.toml"\n')
-    result = mpfcad("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
+    result = called("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     screen = json.loads((tmp_path / "out" / "screen.json").read_text())
     assert screen["aperture_ratio"]["max"] == pytest.approx(2 / 3, abs=1e-4)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from command import mpfcad, refused
+from command import called, refused
 
 from mpfcad.backlight.source.ray_file import read_rays
 from mpfcad.cli import run_app
@@ -63,7 +63,7 @@ def test_light_at_the_film_is_more_than_what_leaves(tmp_path, capsys):
 )
 def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, arguments, words):
     (tmp_path / "folder.dat").mkdir()
-    refused(mpfcad("rays", *arguments, cwd=tmp_path), *words)
+    refused(called("rays", *arguments, cwd=tmp_path), *words)
     assert [p.name for p in tmp_path.iterdir()] == ["folder.dat"]
 
 

@@ -7,14 +7,15 @@ import sys
 import time
 
 import pytest
-from command import content, mpfcad
+from command import SMALL_STACK, called, content, mpfcad
 
 from mpfcad.cli.stream import one_line
 from mpfcad.export import check_manifest
 
 CODE = "from mpfcad.cli import main; main()"
 COMMAND = [sys.executable, "-c", CODE]
-JOB = 'name = "a"\n[map]\ncurvature_per_mm = 60.0\n'
+WHOLE = 'name = "a"\n[map]\ncurvature_per_mm = 60.0\n'
+JOB = WHOLE + SMALL_STACK
 
 
 def shell(line, cwd, **environment):
@@ -47,7 +48,7 @@ def test_streams_that_are_closed_from_the_start(folder, closed):
     result = shell(f"mpfcad mask job.toml --format oas {closed}; echo $?", folder)
     assert result.stdout.splitlines()[-1] == "0"
     whole = content(folder / "exports" / "a-mask")
-    assert mpfcad("mask", "job.toml", "--format", "oas", "--out", "b", cwd=folder).returncode == 0
+    assert called("mask", "job.toml", "--format", "oas", "--out", "b", cwd=folder).returncode == 0
     assert content(folder / "b") == whole
     result = shell(f"mpfcad mask no.toml {closed}; echo $?", folder)
     assert result.stdout.splitlines()[-1] == "2"
@@ -80,12 +81,14 @@ def test_a_name_that_is_no_utf8(folder):
     (folder / name).write_text(JOB)
     result = mpfcad("mask", name, "--format", "oas", cwd=folder)
     assert result.returncode == 0, result.stderr
-    (folder / name).write_text(JOB + "oops = 1")
+    (folder / name).write_text("oops = 1\n" + JOB)
     result = mpfcad("mask", name, cwd=folder)
     assert result.returncode == 2 and "oops" in result.stderr and "Traceback" not in result.stderr
 
 
 def test_two_interruptions_are_as_one(folder):
+    # Of a panel whose files take a while, so that no trace has begun.
+    (folder / "job.toml").write_text(WHOLE)
     process = subprocess.Popen(
         [*COMMAND, "run", "job.toml", "--effort", "final"], cwd=folder, stderr=subprocess.PIPE,
         text=True,
@@ -107,6 +110,9 @@ def test_two_interruptions_are_as_one(folder):
 
 
 def test_two_runs_at_once_leave_one_whole_export(folder):
+    # Of a panel that takes each of them a while to write.
+    text = JOB.replace("panel_width_mm = 4.0", "panel_width_mm = 100.0")
+    (folder / "job.toml").write_text(text)
     command = [*COMMAND, "mask", "job.toml", "--format", "oas"]
     both = [subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE) for _ in range(2)]
     assert [process.wait(timeout=120) for process in both] == [0, 0]

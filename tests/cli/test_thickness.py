@@ -5,7 +5,8 @@ import tomllib
 from types import SimpleNamespace
 
 import pytest
-from command import content, mpfcad, refused
+from command import called, content, mpfcad, refused
+from few_paths import few_paths
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -114,14 +115,15 @@ def test_one_thickness_of_a_range_is_a_design_of_its_own():
 )
 def test_what_is_wrong_with_a_range_is_said_in_one_line(tmp_path, change, words):
     (tmp_path / "design.toml").write_text(RANGE.replace(*change))
-    result = mpfcad("design", "design.toml", cwd=tmp_path)
+    result = called("design", "design.toml", cwd=tmp_path)
     refused(result, "design.toml", *words)
     assert not (tmp_path / "exports").exists()
 
 
 def test_a_sweep_over_thickness_and_lamps_says_which_thickness_serves(tmp_path):
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    result = mpfcad("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
+    with few_paths():
+        result = called("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     record = json.loads((tmp_path / "exports" / "slim-sweep" / "sweep.json").read_bytes())
     few, many = record["thickness_limits"]

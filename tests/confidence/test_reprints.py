@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 import trimesh
+from harness import single_paths
 
 from mpfcad.job import build_job
 from mpfcad.measure import TraceRun, light_film, luminance_over_pitch
+from mpfcad.measure.meter import pitch_positions
+from mpfcad.optics.base.recorder import FLOWS
+from mpfcad.optics.engine import flow_count
+from mpfcad.optics.source import EYE, Source
 from mpfcad.pipeline.confidence.find import variants_of
 from mpfcad.pipeline.confidence.printed import find_printed
 from mpfcad.pipeline.confidence.reprint import Reprints
@@ -61,6 +66,21 @@ def test_a_film_of_any_kind_is_printed_with_so_much_more_resin(tmp_path, kind):
     more = float(np.mean(fill)) * groove.depth / 2 * size[0] * size[1]
     assert volume[1.0] - volume[0.0] == pytest.approx(more, rel=0.02)
     assert volume[0.0] - volume[-1.0] == pytest.approx(more / np.mean(factor), rel=0.1)
+
+
+def test_light_that_is_guided_along_the_grooves_for_metres_leaves_in_the_end(tmp_path):
+    """Path 127,250 of seed 1: oracle and tree follow it alike, on and on."""
+    plan = plan_of(tmp_path, "field")
+    write_cad(plan, tmp_path, ("stl",), SILENT)
+    lit = light_film(plan.stack, tmp_path / "film.stl", plan.offset)
+    meter = Source(
+        EYE, pitch_positions(lit.stack) * lit.stack.period.across, lit.spot.width,
+        acceptance=lit.stack.acceptance,
+    )  # fmt: skip
+    found, flow = np.zeros(1), np.zeros(flow_count(lit.scene, len(meter.position)))
+    single_paths(lit.scene, meter, 1, 127_250, found, flow)
+    assert lit.accelerator == "bvh" and found[0] > 0
+    assert flow[FLOWS.index("lost")] == 0
 
 
 @pytest.mark.slow

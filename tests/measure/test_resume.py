@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from few_paths import few_paths
 from harness import film_file, groove
 
 from mpfcad.backlight import read_stack
@@ -110,7 +111,6 @@ def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
     """What was traced stays until the export has its name."""
     from mpfcad.job import build_job
     from mpfcad.pipeline import run_job
-    from mpfcad.pipeline.effort import TRACE_SETTINGS, TraceSetting
 
     stack = 'extends = "thesis-32in-mpf"\n[value]\npanel_width_mm = 40.0\npanel_length_mm = 50.0\n'
     (tmp_path / "s.toml").write_text(stack + "lamp_count = 5\nlamp_pitch_mm = 8.0\n")
@@ -121,7 +121,6 @@ def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
     job, file = build_job(document, "job.toml"), tmp_path / "job.toml"
     file.write_text("")
     monkeypatch.setenv("MPFCAD_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 100_000))
 
     class Seen:
         def __init__(self):
@@ -136,7 +135,8 @@ def test_a_full_disk_at_the_report_loses_no_trace(tmp_path, monkeypatch):
             self.starts.append(state.start)
 
     def run(seen):
-        return run_job(job, file, tmp_path / "out", effort="quick", progress=seen)
+        with few_paths():
+            return run_job(job, file, tmp_path / "out", effort="quick", progress=seen)
 
     def full(*arguments, **options):
         raise OSError(28, "No space left on device")

@@ -17,6 +17,7 @@ from mpfcad.optics.base.sampling import (
     turn,
     uniform,
 )
+from mpfcad.store.kernel import kept
 
 #: Found alike on x86-64 with AVX-512 and on an emulated aarch64.
 DIGEST = {
@@ -29,7 +30,8 @@ DIGEST = {
 }
 
 
-@njit(error_model="numpy", _nrt=False, cache=True)
+@kept
+@njit(error_model="numpy", _nrt=False)
 def _draw(out, rng):
     """Fill out (n, 11) with what the kernels give of n paths' random numbers."""
     for i in range(len(out)):

@@ -18,6 +18,7 @@ from mpfcad.optics.forward.connection import TERMS, CellMeter, score_at
 from mpfcad.optics.forward.engine import BLOCK, trace_forward
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMPS, Source
+from mpfcad.store.kernel import kept
 
 _ANGLE = np.radians([0, 20, 40, 55, 65, 72, 78, 85, 90])
 _LIGHT = np.array([0.30, 0.36, 0.60, 0.85, 1.0, 0.95, 0.6, 0.15, 0.0])
@@ -35,6 +36,7 @@ def board(height=8.0, pitch=20.0, emission=BATWING, size=3.0, **options):
     )
 
 
+@kept
 @njit(error_model="numpy")
 def draw(scene, seed, out):
     rng = np.zeros(RNG_SIZE, np.uint64)
@@ -43,6 +45,7 @@ def draw(scene, seed, out):
         out[i, 0], out[i, 1], out[i, 2] = emitted_direction(scene.emission, rng)
 
 
+@kept
 @njit(error_model="numpy")
 def arrive(scene, meter, height, seed, paths, terms, score):
     """Score where the light of the LEDs first meets the plane at a height."""
@@ -54,6 +57,7 @@ def arrive(scene, meter, height, seed, paths, terms, score):
         score_at(meter, score, terms, x + flight * dx, y + flight * dy, 1.0)
 
 
+@kept
 @njit(error_model="numpy")
 def intensities(scene, direction, out):
     for i in range(len(out)):

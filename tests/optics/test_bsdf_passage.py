@@ -18,6 +18,7 @@ from mpfcad.optics.element import BsdfSheet, Cavity, Film, Sheet, Slab
 from mpfcad.optics.engine import trace
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, LAMPS, Source
+from mpfcad.store.kernel import kept
 
 CAVITY = Cavity(20.0, 32.69, 0.0, 3.5, 1.7, 20100.0, 0.75, 0.94, 0.3)
 RINGS = ring_basis(np.radians([0, 5, 15, 25, 35, 45, 55, 65, 75, 90]), 12)
@@ -25,7 +26,8 @@ BASES = {"klems": (klems_basis("LBNL/Klems Full"), False), "even": (even_basis(6
          "isotropic": (RINGS, True)}  # fmt: skip
 
 
-@njit(cache=True)
+@kept
+@njit
 def scatter_many(tables, side, kx, ky, seed, out):
     """Scatter one ray len(out) times: transmitted, kx, ky, survival a row."""
     rng = np.zeros(RNG_SIZE, np.uint64)

@@ -17,15 +17,18 @@ from mpfcad.optics.element import Cavity, Sheet
 from mpfcad.optics.engine import trace
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.source import EYE, Source
+from mpfcad.store.kernel import kept
 
 OWN = -(2**40)
 
 
+@kept
 @njit
 def _view(pitch, position, height, radius, x):
     return lamp_view(pitch, position, height, radius, x)
 
 
+@kept
 @njit
 def _seen(pitch, position, height, radius, x, sine):
     """Return the numbers of the lamps met at sines from the vertical, those of no lamp far off."""

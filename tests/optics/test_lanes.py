@@ -43,8 +43,10 @@ from mpfcad.optics.search.tile_table import build_tile_table
 from mpfcad.optics.solid.mesh import read_film_mesh
 from mpfcad.optics.source import EYE, LAMBERTIAN_BELOW, Source
 from mpfcad.optics.wave import Wave
+from mpfcad.store.kernel import kept
 
 
+@kept
 @njit(error_model="numpy", _nrt=False)
 def _many(values, table, out):
     x, y = lanes_array.load(values, 0), lanes_array.load(values, 1)
@@ -59,6 +61,7 @@ def _many(values, table, out):
     lanes_array.store(out, 5, lanes.real((place << 3) ^ 5) + lanes.copy_sign(x, y - 0.5))
 
 
+@kept
 @njit(error_model="numpy", _nrt=False)
 def _single(x, y):
     return fresnel(x, 0.5 + y)
@@ -79,6 +82,7 @@ def test_operations_are_those_of_plain_numbers():
     assert (out[5] == ((place << 3) ^ 5) + np.copysign(x, y - 0.5)).all()
 
 
+@kept
 @njit(error_model="numpy", _nrt=False)
 def _wide(index, values, whole, out, half, numbers):
     row = lanes_array.load_wide(index, 0)
@@ -114,6 +118,7 @@ def test_sixteen_lanes_are_as_many_plain_numbers():
     assert (numbers[index] == filled).all()
 
 
+@kept
 @njit(error_model="numpy")
 def _starts(rng, seed):
     for i in range(len(rng)):
@@ -251,6 +256,7 @@ def test_paths_over_a_grid_eight_at_a_time_are_those_by_the_tree_one_by_one(
     assert np.array_equal(*flow)
 
 
+@kept
 @njit(error_model="numpy", _nrt=False)
 def _wait_in(grid, column, walking):
     walk = Walk(

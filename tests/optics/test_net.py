@@ -14,8 +14,10 @@ from mpfcad.optics.base.lanes_array import load_from, scatter_line, store
 from mpfcad.optics.base.net import DIMENSIONS, NET, direction_numbers
 from mpfcad.optics.base.sampling import RNG_SIZE, start_net_path, uniform
 from mpfcad.optics.base.sampling_lanes import net_keys, next_one, start_net_paths, take_one
+from mpfcad.store.kernel import kept
 
 
+@kept
 @njit
 def _draws(seed, stream, first, points, out):
     rng = np.zeros(RNG_SIZE, np.uint64)
@@ -50,6 +52,7 @@ def test_kernel_and_oracle_draw_the_same_numbers(seed, path, points):
         assert [oracle() for _ in row] == row.tolist()
 
 
+@kept
 @njit(error_model="numpy", _nrt=False)
 def _eight(seed, first, path, points, keys, rows, rng, out):
     """Draw numbers of eight paths from `path` on; keys (n, 8) become those of path `first`."""

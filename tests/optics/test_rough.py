@@ -16,11 +16,13 @@ from mpfcad.optics.element import Film
 from mpfcad.optics.film import interface as surface
 from mpfcad.optics.film.resin import Resin
 from mpfcad.optics.scene import build_scene
+from mpfcad.store.kernel import kept
 
 FILLED = [groove(60.0, chords=5), groove(30.0, chords=5)]
 INDEX = 1.55
 
 
+@kept
 @njit(error_model="numpy")
 def lambertian_pairs(n_in, n_out, slope, seed, out):
     """Send Lambertian light to a surface of normal z; out (n, 2): cosines before and after.
@@ -36,6 +38,7 @@ def lambertian_pairs(n_in, n_out, slope, seed, out):
         out[i, 0], out[i, 1] = -dz, z
 
 
+@kept
 @njit(error_model="numpy")
 def reflected(slope, dx, dz, seed, out):
     """Reflect one direction of light at a mirror-like rough surface; out (n, 3): directions."""

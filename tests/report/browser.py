@@ -28,6 +28,7 @@ class Browser:
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
         )  # fmt: skip
         self.errors, self.requests, self.number, self.extra = [], [], 0, {}
+        self.showing = None  # what a test left on the page, for the next one
         for line in self.process.stderr:
             found = re.search(listening + r"(ws://\S+)", line)
             if found:
@@ -94,12 +95,17 @@ class Chromium(Browser):
 
     def open(self, address, width=1200, dark=False):
         self.width(width)
-        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self.send("Emulation.setEmulatedMedia", features=[scheme])
+        self.scheme(dark)
         self.send("Page.navigate", url=address)
         self.wait("document.readyState === 'complete'")
 
+    def scheme(self, dark):
+        """Prefer dark pages or light ones."""
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.send("Emulation.setEmulatedMedia", features=[scheme])
+
     def width(self, width):
+        self.showing = None
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=900,
                   deviceScaleFactor=1, mobile=width < 700)  # fmt: skip
 
@@ -145,7 +151,11 @@ class Firefox(Browser):
         self.width(width)
         self.send("browsingContext.navigate", context=self.context, url=address, wait="complete")
 
+    def scheme(self, dark):
+        """Leave the page as it is: nothing here asks for dark ones."""
+
     def width(self, width):
+        self.showing = None
         self.send("browsingContext.setViewport", context=self.context,
                   viewport={"width": width, "height": 900})  # fmt: skip
 

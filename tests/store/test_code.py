@@ -103,7 +103,7 @@ def test_kept_work_depends_on_what_lies_below_it(package, keys, file, moved):
 def test_the_code_of_a_trace_is_all_that_measure_imports():
     """Kept here, so that a new import of `measure` cannot be forgotten there."""
     known, waiting = set(), {"mpfcad.measure"}
-    graph = {module: imports_of(module, at_import=False) for module in INNER}
+    graph = {module: imports_of(module) for module in INNER}
     while waiting:
         name = waiting.pop()
         known.add(package_of(name))

@@ -1,10 +1,13 @@
 """Compiled kernels come from the store, and never those of another text."""
 
 import importlib.util
+import re
+from pathlib import Path
 
 import numba
 import pytest
 
+import mpfcad
 from mpfcad import compiling
 from mpfcad.store import kernel
 from mpfcad.store.notice import listeners
@@ -67,6 +70,13 @@ def test_an_edit_below_the_entry_compiles_it_anew(load, told):
     assert load(2.0).outer(3.0) == 7.0
     assert load(5.0, "edited").outer(3.0) == 16.0
     assert told[0] == ["outer", None] * 2
+
+
+def test_no_kernel_is_left_to_numbas_own_cache():
+    """That looks at the function's own file alone: after an edit below the old code would run."""
+    files = Path(mpfcad.__file__).parent.rglob("*.py")
+    own = [path.name for path in files if re.search(r"jit\([^)]*cache=", path.read_text("utf-8"))]
+    assert own == []
 
 
 def test_a_damaged_kernel_is_compiled_anew(tmp_path, load, told):

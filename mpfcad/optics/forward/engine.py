@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
 from numpy.typing import NDArray
 
 from mpfcad.errors import TraceError
@@ -142,7 +142,7 @@ def arrive(scene, meter, slot, wave, hue, terms, score):
         score_at(meter, score, terms, p[0], p[1], value)
 
 
-@njit(nogil=True, cache=True, error_model="numpy", _nrt=False)
+@entry
 def trace_cell(scene, meter, seed, first, count, wave, terms, score, flow, hue):
     """Follow `count` paths from `first` on; score and flow get their sums; the rest is scratch.
 
