@@ -8,13 +8,14 @@ from command import called, refused
 
 UNIFORM = "curvature_per_mm = 55.0"
 FIELD = 'file = "field.npz"\nextent = "panel"'
-PANEL = "[stack.override]\npanel_width_mm = 34.0\npanel_length_mm = 60.0\nlamp_count = 1\n"
+PANEL = "[stack.override]\npanel_width_mm = 34.0\npanel_length_mm = {}\nlamp_count = 1\n"
 
 
-def job(folder, map_table, mask_table):
-    text = f'schema = 1\nname = "job"\n[map]\n{map_table}\n[mask]\n{mask_table}\n{PANEL}'
+def job(folder, map_table, mask_table, length=60.0):
+    text = f'schema = 1\nname = "job"\n[map]\n{map_table}\n[mask]\n{mask_table}\n'
+    text += PANEL.format(length)
     (folder / "job.toml").write_text(text)
-    x, y = np.linspace(0, 34, 18), np.linspace(0, 60, 31)
+    x, y = np.linspace(0, 34, 18), np.linspace(0, length, 31)
     curvature = 59 + 3 * np.cos(x / 5) * np.cos(y[:, None] / 3)
     names = ("position_across_mm", "position_along_mm", "curvature_per_mm")
     np.savez(folder / "field.npz", **dict(zip(names, (x, y, curvature), strict=True)))
@@ -79,7 +80,8 @@ def test_what_cannot_be_made_is_said_in_one_line(tmp_path, mask, words):
 @pytest.mark.parametrize("pattern", ["slot", "dot", "blue-noise", "error-diffused"])
 def test_a_2d_map_gets_a_checked_mask(tmp_path, pattern):
     period = 400 if pattern == "slot" else 50
-    job(tmp_path, FIELD, f'pattern = "{pattern}"\nperiod_um = {period}.0\nmin_aperture_um = 9.0')
+    mask = f'pattern = "{pattern}"\nperiod_um = {period}.0\nmin_aperture_um = 9.0'
+    job(tmp_path, FIELD, mask, length=25.0)
     result = called("mask", "job.toml", "--format", "oas", "--out", "out", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     names = {path.name for path in (tmp_path / "out").iterdir()}

@@ -17,7 +17,7 @@ CORPUS = Path(__file__).parent / "corpus"
 
 @pytest.mark.parametrize("reader", READERS, ids=[reader.name for reader in READERS])
 def test_mutated_files_are_read_or_refused_in_one_line(reader, tmp_path):
-    count = 12 if reader.native or reader.costly else 120
+    count = 12 if reader.native or reader.costly else 60
     tally = fuzz(reader, count, seed=18, folder=tmp_path, seconds=8.0)
     assert not tally.faults, tally.faults[0][0]
     refused = tally.refused + tally.crashed

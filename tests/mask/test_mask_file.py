@@ -201,24 +201,27 @@ def test_the_same_bytes_twice_and_in_another_process(tmp_path):
     assert len(list(tmp_path.iterdir())) == 3 * len(ALL)
 
 
-@pytest.mark.parametrize("suffix", ALL)
-def test_a_full_disk_leaves_no_truncated_file(tmp_path, suffix):
-    """A limit of the file size stands for the full disk; an older file stays as it was."""
-    path = tmp_path / f"m.{suffix}"
-    path.write_bytes(b"older")
+def test_a_full_disk_leaves_no_truncated_file(tmp_path):
+    """A limit of the file size stands for the full disk; older files stay as they were."""
+    paths = [tmp_path / f"m.{suffix}" for suffix in ALL]
+    for path in paths:
+        path.write_bytes(b"older")
     code = CODE + (
         "import resource; from mpfcad.errors import ExportError\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
-        "write_mask(m, Path(sys.argv[1]).with_stem('whole'))\n"
+        "paths = [Path(name) for name in sys.argv[1:]]\n"
+        "for path in paths:\n    write_mask(m, path.with_stem('whole'))\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))\n"
-        "try:\n    write_mask(m, Path(sys.argv[1]))\n"
-        "except ExportError as error:\n    print(error)\n"
+        "for path in paths:\n    try:\n        write_mask(m, path)\n"
+        "    except ExportError as error:\n        print(error)\n"
     )
-    run = [sys.executable, "-c", code, str(path)]
+    run = [sys.executable, "-c", code, *map(str, paths)]
     done = subprocess.run(run, check=True, capture_output=True, text=True)
-    assert f"{path}: cannot be written" in done.stdout
-    assert path.read_bytes() == b"older"
-    assert sorted(p.name for p in tmp_path.iterdir()) == [f"m.{suffix}", f"whole.{suffix}"]
+    for path in paths:
+        assert f"{path}: cannot be written" in done.stdout
+        assert path.read_bytes() == b"older"
+    names = [f"{stem}.{suffix}" for stem in ("m", "whole") for suffix in ALL]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
 
 
 def test_a_kill_leaves_no_truncated_file(tmp_path):

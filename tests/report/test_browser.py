@@ -27,8 +27,8 @@ PLOTS = (
     "luminance", "film", "levelling", "grooves", "directions", "cuts", "paths", "facets",
     "response",
 )  # fmt: skip
-#: Phone to 4K.
-WIDTHS = (390, 768, 1200, 1920, 3840)
+#: Phone to 4K; the middle ones are among the slow tests.
+WIDTHS = (390, *(pytest.param(w, marks=pytest.mark.slow) for w in (768, 1920)), 1200, 3840)
 #: Pages of paper that the export below takes at most (A4 12, Letter 14), and room for other fonts.
 PAGES = 15
 A4, LETTER = (8.27, 11.69), (8.5, 11.0)
