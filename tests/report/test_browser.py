@@ -109,9 +109,9 @@ def export(tmp_path_factory):
     )
     out = folder / "out"
     with pytest.MonkeyPatch.context() as patch:
-        # Few, but in several rounds.
+        # One short round, under a limit that leaves room for the directions.
         patch.setattr(rounds, "LEAST_PATHS", 60_000)
-        patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1e-9, 200_000))
+        patch.setitem(TRACE_SETTINGS, "quick", TraceSetting(1.0, 660_000))
         run_job(read_job(job), job, out, effort="quick", threads=1)
     return out
 
