@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mpfcad.job.design import Design, ThicknessTable
 from mpfcad.job.reader import validate
-from mpfcad.measure import luminance, rounds
+from mpfcad.measure import flux, rounds
 from mpfcad.pipeline.design.thickness import ThicknessSearch
 from mpfcad.pipeline.point.thickness_limit import crossings, describe_limit, spread_lamps
 
@@ -123,7 +123,7 @@ def test_what_is_wrong_with_a_range_is_said_in_one_line(tmp_path, change, words)
 def test_a_sweep_over_thickness_and_lamps_says_which_thickness_serves(tmp_path, monkeypatch):
     # As many as tell a contrast of 0.02 to less than the 0.09 that is allowed.
     monkeypatch.setattr(rounds, "LEAST_PATHS", 130_000)
-    monkeypatch.setattr(luminance, "_ENERGY_BLOCKS", 4)
+    monkeypatch.setattr(flux, "_ENERGY_BLOCKS", 4)
     (tmp_path / "sweep.toml").write_text(SWEEP)
     result = called("sweep", "sweep.toml", "--workers", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
