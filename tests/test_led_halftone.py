@@ -8,6 +8,7 @@ import pytest
 import tomli_w
 
 from mpfcad.backlight import read_stack
+from mpfcad.cli.make.design import _print_led
 from mpfcad.errors import InputError
 from mpfcad.film import CurvatureSeries, HalftoneField
 from mpfcad.job import read_job
@@ -23,6 +24,7 @@ from mpfcad.pipeline.progress import SILENT
 from mpfcad.pipeline.run.make import plan_mask, write_cad, write_curvature
 from mpfcad.pipeline.run.run import run_job
 from mpfcad.pipeline.run.verify import verify_export
+from mpfcad.report.page.led_page import _result
 
 SERIES = "[map]\nseries_per_mm = [[72.0, 2.0], [3.0, 0.0]]\n"
 HALFTONE = "[halftone]\ncurvature_per_mm = 62.0\npiece_mm = 1.0\ngrooves = 4\n"
@@ -178,6 +180,29 @@ def test_a_design_s_map_stays_between_its_pieces(tmp_path):
     path.write_text(path.read_text().replace("[70.0]", "[58.0]"))
     with pytest.raises(InputError, match=r"search.uniform_per_mm: 58: expected 62 … 80"):
         read_led_design(path)
+
+
+def test_a_design_of_halftones_tells_of_no_mould(capsys):
+    value = {"value": 0.02, "ci95": [0.01, 0.03], "standard_error": 0.005}
+    film = {
+        "size_mm": [4.0, 4.0], "curvature_min_per_mm": 62.0, "curvature_max_per_mm": 80.0,
+        "pieces": 8, "fill_min": 0.0, "fill_max": 0.06,
+    }  # fmt: skip
+    record = {
+        "range": None, "tried": [], "pilot": None, "films": [film], "bears": [], "mould": None,
+        "found": {
+            "lamp_mura_contrast": value, "mean_luminance_cd_m2": value, "sigma_over_mean": value,
+            "paths": 1000,
+        },
+        "optical_distance_mm": 1.7, "height_over_pitch": 0.35,
+        "model_least": {"lamp_mura_contrast": 0.0}, "printing": {"words": "it prints"},
+        "halftone": [{"words": "halftone: pieces of 1 mm"}],
+    }  # fmt: skip
+    _print_led(record, Path("out"))
+    printed = capsys.readouterr().out
+    assert "film 1: halftone: pieces of 1 mm" in printed and "mould" not in printed
+    rows = dict(_result(record))
+    assert rows["film 1"] == "halftone: pieces of 1 mm" and not any("mould" in k for k in rows)
 
 
 @pytest.fixture

@@ -98,7 +98,10 @@ def _print_led(record: dict[str, Any], folder: Path) -> None:
     print(
         f"linear model of the last traces: no map of this mean within the limits below {least:.4f}"
     )
-    print(f"a mould, C from 20 /mm on: {record['mould']['lamp_mura_contrast']:.4f}, same model")
+    if record["mould"] is not None:  # what a halftone's traces tell is no mould's
+        print(f"a mould, C from 20 /mm on: {record['mould']['lamp_mura_contrast']:.4f}, same model")
+    for number, one in enumerate(record.get("halftone", []), 1):
+        print(f"film {number}: {one['words']}")
     print(record["printing"]["words"])
     for one in record["bears"]:
         low, high = one["lamp_mura_contrast"]["ci95"]
