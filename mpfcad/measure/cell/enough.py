@@ -71,5 +71,5 @@ def refuse_fine(
         raise InputError(
             f"{name}: the light changes within a twelfth of the cell by {share:.2g} of its mean "
             "(root mean square): the LEDs are seen as they are, and have no contrast of a series: "
-            "expected a plate or sheet that scatters over them"
+            "expected a plate or sheet that scatters over them, or a finer [halftone]"
         )
