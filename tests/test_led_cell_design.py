@@ -158,7 +158,8 @@ def test_a_search_measures_the_response_of_cells(tmp_path, monkeypatch, response
     text = "[search]\nuniform_per_mm = [50.0, 60.0, 70.0]\niterations = 4\n"
     one = design(tmp_path, text + "[goal]\ncontrast_target = 0.001\n")
     search = searched(one, Lit(response), monkeypatch)
-    assert [tried.mean for tried in search.tried[:5]] == [50.0, 60.0, 70.0, 60.0, 60.0]
+    means = [50.0, 60.0, 70.0, 50.0, 50.0, 60.0, 60.0, 70.0, 70.0]  # even films, then pilots
+    assert [tried.mean for tried in search.tried[:9]] == means
     pilot = search.pilot
     assert pilot.is_told and abs(pilot.value - response) < 4 * pilot.standard_error
     assert pilot.standard_error < 0.1 * abs(response)
@@ -184,7 +185,8 @@ def test_a_search_goes_on_about_the_mean_whose_pattern_has_room(tmp_path, monkey
     search = searched(design(tmp_path, text), at, monkeypatch)
     assert [tried.mean for tried in search.tried[:2]] == [62.0, 75.0]
     assert search.tried[1].found.contrast.value < search.tried[0].found.contrast.value
-    assert {tried.mean for tried in search.tried[2:]} == {62.0} and search.best.mean == 62.0
+    assert [tried.mean for tried in search.tried[2:6]] == [62.0, 62.0, 75.0, 75.0]
+    assert {tried.mean for tried in search.tried[6:]} == {62.0} and search.best.mean == 62.0
 
 
 def test_a_response_in_the_noise_ends_the_search_with_its_bound(tmp_path, monkeypatch):

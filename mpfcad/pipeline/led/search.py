@@ -39,14 +39,17 @@ class LedSearch:
         the maps in their order
     response
         (h+1, h+1) float64 [mm], of ln L to C by harmonic, as the last move told it
+    pilots
+        by the mean C [1/mm], what was measured of one film
     pilot
-        what was measured of one film; None of two, and before
+        that of the mean that the search goes on about; None of two films, and before
     """
 
     design: LedDesign
     trace: Callable[[CurvatureSeries], CellResult]
     tried: list[Tried] = field(default_factory=list)
     response: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros((0, 0)))
+    pilots: dict[float, Pilot] = field(init=False, default_factory=dict)
     pilot: Pilot | None = field(init=False, default=None)
 
     @property
@@ -64,6 +67,7 @@ class LedSearch:
         even = min(evens, key=self._promise)
         prior = self.response_of(even)
         response = self.response = prior.copy()
+        self.pilot = self.pilots.get(even.mean)
         if self.pilot is not None and not self.pilot.is_told:
             return self.best
         last = self._best_of([one for one in self.tried if one.mean == even.mean])
@@ -96,12 +100,11 @@ class LedSearch:
         size = self.design.constraint.harmonics + 1
         if self.design.films == 2:
             return np.full((size, size), TWO * 2 ** ((even.mean - AT) / DOUBLES))
-        if self.pilot is None:
-            middle = max(self.design.search.uniform_per_mm, key=self._room)
-            pattern = pilot_pattern(size, self._room(middle))
-            about = self.try_even(middle).map.coefficient
-            self.pilot = read_pilot(self._try(about + pattern), self._try(about - pattern))
-        return self.pilot.response
+        if even.mean not in self.pilots:
+            pattern, about = pilot_pattern(size, self._room(even.mean)), even.map.coefficient
+            more, less = (self._try(about + move) for move in (pattern, -pattern))
+            self.pilots[even.mean] = read_pilot(more, less)
+        return self.pilots[even.mean].response
 
     def _room(self, curvature: float) -> float:
         """Return how far a C [1/mm] is from its nearer limit."""
@@ -111,10 +114,14 @@ class LedSearch:
     def _promise(self, even: Tried) -> tuple[float, float]:
         """Return what the best pattern about an even film leaves by the model, and the film's own.
 
-        To a thousandth: below that the film that is better by itself is.
+        To a thousandth: below that the film that is better by itself is. A response in the noise
+        promises nothing.
         """
-        least = least_contrast(self.design.constraint, even, self.response_of(even))
-        return round(least.contrast, 3), even.found.contrast.value
+        own, response = even.found.contrast.value, self.response_of(even)
+        if even.mean in self.pilots and not self.pilots[even.mean].is_told:
+            return round(own, 3), own
+        least = least_contrast(self.design.constraint, even, response)
+        return round(least.contrast, 3), own
 
     def _next(self, last: Tried, step: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the corrected series; where C would pass its limits, the model's best within."""
