@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from mpfcad.film import CellLibrary, CurvatureSeries, PyramidGroove
 from mpfcad.job import read_job
 from mpfcad.job.led_design import read_led_design
 from mpfcad.optics.library.file import read_library
+from mpfcad.pipeline.led.design import read_led_stack
 from mpfcad.pipeline.led.film import FILM, films_of, write_films
 from mpfcad.pipeline.led.job import job_tables, write_job
 from mpfcad.pipeline.led.pilot import pilot_pattern
@@ -232,6 +234,15 @@ def test_a_mould_out_of_place_keeps_its_curvature(tmp_path):
     assert np.allclose(off, read_plan(job, path).drawn.wanted + 1)
     with pytest.raises(InputError, match="a mould makes the film: expected curvature_error_per_mm"):
         read_plan(job, path, Departure((PrintError(resin=0.1),)))
+
+
+@pytest.mark.parametrize("name", ["pyramid", "pyramid-mould", "batwing-one"])
+def test_designs_that_come_with_the_program_have_films(name):
+    file = Path(__file__).parents[1] / "masks" / f"design-led-{name}.toml"
+    one = read_led_design(file)
+    even = CurvatureSeries(np.array([[one.search.uniform_per_mm[0]]]))
+    (kind,) = films_of(one, read_led_stack(one, file), even)
+    assert kind.film.size == pytest.approx((12.15, 12.15)) and one.films == 1
 
 
 def test_films_of_cells_need_whole_cells(tmp_path):
