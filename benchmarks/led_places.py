@@ -6,7 +6,7 @@ One board of LEDs lies under two crossed films of 64 curvatures. The films repea
 12 and 49 mm, or are panels whose pieces do not repeat, of 10⁴ … 10⁸. Which piece stands where is
 drawn evenly, so all films are alike but for their number of places; drawn so, neighbours differ as
 they do in no real map, and a look-up is never near the last one. The scenes are traced by turns in
-one run, on one thread. A panel of 10⁸ places takes 0.8 GB, and four times that while it is built.
+one run, on one thread. A panel of 10⁸ places takes 0.8 GB while it is built, 0.2 GB in the scene.
 """
 
 import argparse

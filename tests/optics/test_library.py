@@ -14,7 +14,7 @@ from mpfcad.film.field.library import diffused
 from mpfcad.optics.element import Film, LibraryFilm, Sheet
 from mpfcad.optics.engine import trace
 from mpfcad.optics.library.file import is_library_file, read_library
-from mpfcad.optics.library.piece import Library
+from mpfcad.optics.library.piece import Library, joined_places
 from mpfcad.optics.scene import build_scene
 from mpfcad.optics.solid.mesh import FilmMesh
 from mpfcad.optics.source import EYE, Source
@@ -165,3 +165,11 @@ def test_files_that_are_no_library(tmp_path, old, new, words):
 def test_curvatures_that_resin_cannot_have_are_refused():
     with pytest.raises(InputError, match="expected 0 … 80"):
         build_library(GROOVE, 0.15, 0.5, np.array([[85.0]]), 4)
+
+
+def test_places_of_many_films_are_numbered_through_in_two_bytes():
+    films = [(np.array([[0, 2], [1, 2]]), 3), (np.array([[1]]), 65_533)]
+    assert joined_places(films).tolist() == [0, 2, 1, 2, 4]
+    assert joined_places([(np.array([[0]]), 65_535), (np.array([[0]]), 1)])[1] == 65_535
+    with pytest.raises(InputError, match="65537 pieces in all films: expected at most 65536"):
+        joined_places([*films, (np.array([[0]]), 1)])

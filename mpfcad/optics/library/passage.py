@@ -7,6 +7,8 @@ across y. A ray that is inside or outside stays so until it meets a surface: no 
 
 import math
 
+from numba import int64
+
 from mpfcad.optics.base.kernel import kernel
 from mpfcad.optics.film.passage import (
     COSINE,
@@ -42,7 +44,7 @@ def placed_library_passage(library, parameter, up, x, y, dx, dy, dz, light, rng)
 def chosen_at(table, row, i, j):
     """Return the number of the piece or cell at place (i, j), which may be any whole numbers."""
     first, across, along = table.place[row]
-    return table.chosen[first + (i % across) * along + j % along]
+    return int64(table.chosen[first + (i % across) * along + j % along])
 
 
 @kernel

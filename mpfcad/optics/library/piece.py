@@ -10,6 +10,8 @@ from mpfcad.errors import InputError
 
 #: Most different pieces of a library.
 MOST = 4096
+#: Most of all films of a scene.
+_MOST_KINDS = 65_536
 #: Ends of a section may differ by so much [mm].
 _ROOM = 1e-7
 
@@ -93,7 +95,7 @@ class LibraryArrays(NamedTuple):
     first
         (p+1,) int64, the first corner of each piece
     chosen
-        (q,) int64, the piece at each place, row by row, of one library after the other
+        (q,) uint16, the piece at each place, row by row, of one library after the other
     place
         (l, 3) int64, of each library the first place, and places along x and y
     size
@@ -103,7 +105,7 @@ class LibraryArrays(NamedTuple):
     x: NDArray[np.float64]
     z: NDArray[np.float64]
     first: NDArray[np.int64]
-    chosen: NDArray[np.int64]
+    chosen: NDArray[np.uint16]
     place: NDArray[np.int64]
     size: NDArray[np.float64]
 
@@ -111,14 +113,36 @@ class LibraryArrays(NamedTuple):
 PITCH, LENGTH, HIGH, LOW = range(4)
 
 
+def joined_places(films: list[tuple[NDArray[np.int64], int]]) -> NDArray[np.uint16]:
+    """Return what stands at each place of films (places, kinds), kinds numbered through, (q,).
+
+    Two bytes a place: the places of a panel are looked up at random, and what fits a cache is
+    found sooner.
+
+    Raises
+    ------
+    InputError
+        when all films have more kinds than two bytes can tell.
+    """
+    kinds = sum(count for _, count in films)
+    if kinds > _MOST_KINDS:
+        raise InputError(f"library: {kinds} pieces in all films: expected at most {_MOST_KINDS}")
+    joined = np.empty(sum(chosen.size for chosen, _ in films), np.uint16)
+    start = before = 0
+    for chosen, count in films:
+        end = start + chosen.size
+        np.add(chosen.ravel(), before, out=joined[start:end], casting="unsafe")
+        start, before = end, before + count
+    return joined
+
+
 def build_libraries(libraries: list[Library]) -> LibraryArrays:
     """Return the libraries as the kernels read them."""
     corners = [corner for library in libraries for corner in library.section]
     corner = np.concatenate([*corners, np.zeros((0, 2))])
     first = np.concatenate([[0], np.cumsum([len(part) for part in corners])]).astype(np.int64)
-    chosen, place, size, pieces, places = [], [], [], 0, 0
+    place, size, pieces, places = [], [], 0, 0
     for library in libraries:
-        chosen.append(library.chosen.ravel() + pieces)
         place.append((places, *library.chosen.shape))
         size.append((library.pitch, library.length, library.high, library.low))
         pieces += len(library.section)
@@ -127,7 +151,7 @@ def build_libraries(libraries: list[Library]) -> LibraryArrays:
         np.ascontiguousarray(corner[:, 0]),
         np.ascontiguousarray(corner[:, 1]),
         first,
-        np.concatenate([*chosen, np.zeros(0, np.int64)]).astype(np.int64),
+        joined_places([(film.chosen, len(film.section)) for film in libraries]),
         np.array(place, np.int64).reshape(-1, 3),
         np.array(size, np.float64).reshape(-1, 4),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpfcad.errors import InputError
+from mpfcad.optics.library.piece import joined_places
 
 #: Buckets along each side of a cell, in which a walk to a place begins.
 BUCKETS = 8
@@ -78,7 +79,7 @@ class CellArrays(NamedTuple):
     start
         (p BUCKETS²,) int64, of each kind of cell the facet over the middle of each bucket
     chosen
-        (q,) int64, the kind at each place, row by row, of one film after the other
+        (q,) uint16, the kind at each place, row by row, of one film after the other
     place
         (l, 3) int64, of each film the first place, and places along x and y
     size
@@ -89,7 +90,7 @@ class CellArrays(NamedTuple):
     edge: NDArray[np.float64]
     beyond: NDArray[np.int64]
     start: NDArray[np.int64]
-    chosen: NDArray[np.int64]
+    chosen: NDArray[np.uint16]
     place: NDArray[np.int64]
     size: NDArray[np.float64]
 
@@ -102,8 +103,8 @@ def build_cells(films: list[CellTops]) -> CellArrays:
     InputError
         when a top does not cover its cell once.
     """
-    parts: list[list[NDArray]] = [[np.zeros((0, 4))], [np.zeros((0, 4))], [], [], []]
-    place, size, facets, kinds, places = [], [], 0, 0, 0
+    parts: list[list[NDArray]] = [[np.zeros((0, 4))], [np.zeros((0, 4))], [], []]
+    place, size, facets, places = [], [], 0, 0
     for film in films:
         for number, (corner, facet) in enumerate(film.top):
             where = f"library: cell {number}"
@@ -114,12 +115,12 @@ def build_cells(films: list[CellTops]) -> CellArrays:
             for part, found in zip(parts, (plane, edge, inner, start + facets), strict=False):
                 part.append(found)
             facets += len(facet)
-        parts[4].append(film.chosen.ravel() + kinds)
         place.append((places, *film.chosen.shape))
         size.append((film.pitch, film.length, film.high, film.low))
-        kinds, places = kinds + len(film.top), places + film.chosen.size
+        places += film.chosen.size
     none = np.zeros(0, np.int64)
-    beyond, start, chosen = (np.concatenate([none, *p]).astype(np.int64) for p in parts[2:])
+    chosen = joined_places([(film.chosen, len(film.top)) for film in films])
+    beyond, start = (np.concatenate([none, *p]).astype(np.int64) for p in parts[2:])
     return CellArrays(
         np.concatenate(parts[0]), np.concatenate(parts[1]), beyond, start, chosen,
         np.array(place, np.int64).reshape(-1, 3), np.array(size, np.float64).reshape(-1, 4),
