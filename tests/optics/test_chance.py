@@ -137,19 +137,21 @@ def test_both_ways_find_the_same_harmonics(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1.0, 2.0])
 def test_intervals_from_chance_hits_hold_the_truth(ratio):
-    # 300 traces of which some 10 000 paths find light.
+    # 300 traces, of each of which some 16 000 paths find light.
     whole = np.zeros((TERMS, TERMS))
     cosine = [0, *range(1, TERMS, 2)]
     whole[np.ix_(cosine, cosine)] = closed_form(ratio)
     exact = fit_series(whole.ravel(), 1e-12 * np.eye(TERMS**2), 400, TERMS, True)
-    contrast, mean = exact.contrast(1).value, whole[0, 0]
-    held, near, runs = 0, 0, 300
+    known = [exact.contrast(1), exact.mean, exact.luminance(0.0, 0.0)]
+    held, runs = np.zeros(3, int), 300
     for run in range(runs):
         found, covariance, tally = terms(array_under_plate(ratio), 64, 1000 + run)
         series = fit_series(found, covariance, tally.blocks, TERMS, True)
-        one = series.contrast(run)
-        held += one.low <= contrast <= one.high
-        near += series.mean.low <= mean <= series.mean.high
-    print(f"P/H {ratio}: contrast {contrast:.4f} held {held}, mean {near} of {runs}")
-    # 95 % of 300 is 285 ± 3.8.
-    assert 272 <= held <= 298 and 272 <= near <= 298
+        found_now = series.contrast(run), series.mean, series.luminance(0.0, 0.0)
+        held += [one.low <= true.value <= one.high
+                 for one, true in zip(found_now, known, strict=True)]  # fmt: skip
+    print(f"P/H {ratio}: contrast {known[0].value:.4f} held {held[0]}, mean {held[1]}, above an "
+          f"LED {held[2]} of {runs}")  # fmt: skip
+    # 95 % of 300 is 285 ± 3.8. A contrast with so much noise holds more: of normal draws of the
+    # same covariance, and of independent terms, its interval holds 149 of 150 as well.
+    assert (held >= 272).all() and (held[1:] <= 297).all()
