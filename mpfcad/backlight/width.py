@@ -30,7 +30,7 @@ class _Kind(NamedTuple):
         return Width(min(self.size, self.share * abs(value)), self.reason)
 
 
-_INDEX = _Kind("an index from a data sheet, not at the lamps' spectrum", 0.01)
+_INDEX = _Kind("an index from a data sheet, not at the source's spectrum", 0.01)
 _PLATE = _Kind("a plate's tolerance, at most a tenth of a thin one", 0.1, 0.1)
 _SHEET = _Kind("haze of a data sheet", share=0.08)
 _PASS = _Kind("transmission of a data sheet", 0.01)

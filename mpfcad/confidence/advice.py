@@ -26,7 +26,7 @@ MEASUREMENTS = (
         {"resin_percent": (2.0, False), "resin_tone_percent": (2.0, False)},
     ),
     Measurement(
-        "place of the print against the lamps",
+        "place of the print against lamps or LEDs",
         {
             "registration_mm": (0.05, False),
             "registration_x_mm": (0.05, False),
@@ -34,7 +34,7 @@ MEASUREMENTS = (
         },
     ),
     Measurement(
-        "depth of the cavity and height of the lamps by a gauge",
+        "depth of the cavity and height of lamps or LEDs by a gauge",
         {
             "plate_thickness_mm": (0.02, False),
             "thickness_mm": (0.05, False),
@@ -61,7 +61,7 @@ MEASUREMENTS = (
         },
     ),
     Measurement(
-        "reflectance of a lamp by an integrating sphere",
+        "reflectance of a lamp or LED by an integrating sphere",
         {
             "lamp_reflectance": (0.01, False),
             "led_reflectance": (0.01, False),

@@ -102,7 +102,7 @@ def _kept(
     effect: NDArray[np.float64], covariance: NDArray[np.float64], mask: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return effects and covariances with what cannot be at 0."""
-    return effect * mask, covariance * mask[:, :, None] * mask[:, None, :]
+    return np.where(mask, effect, 0.0), covariance * mask[:, :, None] * mask[:, None, :]
 
 
 def _reading(found: CellResult, order: NDArray[np.int64]) -> Reading:
