@@ -103,7 +103,7 @@ BAD = [
     (SERIES, HALFTONE.replace("62.0", "70.0"), MASK, "map: C 67.* over the cell: expected 70 … 80"),
     (SERIES, HALFTONE, MASK.replace("0.4", "3.0"), "leaves .* modulation: .* pieces of 1.5 mm"),
     (SERIES, HALFTONE, MASK + "pattern = 'blue-noise'\n", "expected 'slot' or 'dot'"),
-    (SERIES + "[confidence]\n", HALFTONE, MASK, "confidence: is for tubes so far"),
+    (SERIES + "[confidence]\n", HALFTONE, MASK, "confidence: .halftone.: under LEDs"),
     (
         "[map]\nseries_per_mm = [[50.0, 2.0]]\n[film]\ncell = 'pyramid'\n", HALFTONE, MASK,
         "halftone: film.cell pyramid",

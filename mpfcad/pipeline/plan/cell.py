@@ -217,11 +217,12 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
 
 
 def _refuse_confidence(job: Job, where: str) -> None:
-    if job.wants_confidence and job.film.cell != "groove":
+    plain = job.film.cell == "groove" and job.halftone is None
+    if job.wants_confidence and not plain:
+        what = f"film.cell {job.film.cell}" if job.halftone is None else "[halftone]"
         raise InputError(
-            f"{where}: confidence: film.cell {job.film.cell}: under LEDs is for films of grooves "
-            "so far: expected to be left out: `mpfcad sweep` tells what thickness, LEDs and others "
-            "do"
+            f"{where}: confidence: {what}: under LEDs is for films of grooves without halftones so "
+            "far: expected to be left out: `mpfcad sweep` tells what thickness, LEDs and others do"
         )
 
 

@@ -149,10 +149,11 @@ def sources_of(record: dict[str, Any]) -> str:
 def states_confidence(record: dict[str, Any]) -> bool:
     """Return whether `mpfcad run --confidence` takes this backlight and film.
 
-    Tubes without a rim, and LEDs under films of grooves, in one wavelength.
+    Tubes without a rim, and LEDs under films of grooves without halftones, in one wavelength.
     """
-    film = record.get("job", {}).get("resolved", {}).get("film", {})
-    is_held = not record.get("cell") or film.get("cell", "groove") == "groove"
+    job = record.get("job", {}).get("resolved", {})
+    grooves = job.get("film", {}).get("cell", "groove") == "groove"
+    is_held = not record.get("cell") or (grooves and not job.get("halftone"))
     return is_held and not record.get("judged") and "colour" not in record
 
 
