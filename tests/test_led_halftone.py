@@ -112,6 +112,10 @@ BAD = [
         "[map]\ncurvature_per_mm = 40.0\n[film]\ncell = 'pyramid'\n", HALFTONE, MASK,
         "halftone: film.cell pyramid",
     ),
+    (SERIES, HALFTONE.replace("= 4", "= 81"), MASK, "grooves: 81: expected at most 80"),
+    (SERIES, HALFTONE.replace("= 1.0", "= 1e-9"), MASK, r"piece_mm: 1e-09: 80 × 4e\+09 pieces"),
+    (SERIES + "[cad]\npiece_mm = 1e-9\n", HALFTONE, MASK, r"piece_mm: 1e-09: 80 × 4e\+09 pieces"),
+    (SERIES + "[cad]\npiece_mm = 1e-9\n", "", MASK, r"piece_mm: 1e-09: 80 × 4e\+09 pieces"),
     (SERIES, HALFTONE + "pieces = 3\n", MASK, "unknown key; known: curvature_per_mm, piece_mm"),
 ]  # fmt: skip
 

@@ -15,6 +15,8 @@ _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _IN_PLACE = "1 0 0 0 1 0 0 0 1 0 0 0"
 #: Places held as text at a time: a million of them take a gigabyte.
 _CHUNK = 20_000
+#: The largest number of an object, by the core specification.
+_LAST = 2**31 - 1
 
 
 class Instances(NamedTuple):
@@ -38,14 +40,15 @@ def read_instances(path: Path) -> Instances:
     Raises
     ------
     InputError
-        when an object stands in another part of the package, or the XML is none.
+        when an object stands in another part of the package, an item has no number of an object
+        or not twelve finite numbers, or the XML is none.
     """
     number: list[int] = []
     text: list[str] = []
     table: list[NDArray[np.float64]] = []
 
     def flush() -> None:
-        table.append(np.array(" ".join(text).split(), np.float64).reshape(len(text), 4, 3))
+        table.append(_transforms(text))
         text.clear()
 
     def item(name: str, given: dict[str, str]) -> None:
@@ -53,7 +56,7 @@ def read_instances(path: Path) -> Instances:
             return
         if any(key.endswith(" path") for key in given):
             raise InputError(f"{path}: 3MF: an item in another part: expected all in one model")
-        number.append(int(given["objectid"]))
+        number.append(_object(given.get("objectid", "")))
         text.append(given.get("transform", _IN_PLACE))
         if len(text) == _CHUNK:
             flush()
@@ -65,6 +68,26 @@ def read_instances(path: Path) -> Instances:
     except (expat.ExpatError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: 3MF: {error}: expected a model with items") from None
     return Instances(np.array(number, np.int64), np.concatenate(table))
+
+
+def _object(text: str) -> int:
+    """Return an object's number, of ASCII digits alone: int takes 1_0 as well."""
+    digits = text.strip()
+    if digits.isascii() and digits.isdigit() and len(digits) <= 10 and 0 < int(digits) <= _LAST:
+        return int(digits)
+    raise ValueError(f"objectid {text[:40]!r}: not from 1 to {_LAST}")
+
+
+def _transforms(text: list[str]) -> NDArray[np.float64]:
+    """Return the transforms (k, 4, 3) of k items; twelve numbers each, not of all together."""
+    rows = [one.split() for one in text]
+    short = next((one for one in rows if len(one) != 12), None)
+    if short is not None:
+        raise ValueError(f"a transform of {len(short)} numbers, not 12")
+    table = np.array(rows, np.float64).reshape(len(rows), 4, 3)
+    if not np.isfinite(table).all():
+        raise ValueError("a transform with a number that is not finite")
+    return table
 
 
 def _model_part(archive: zipfile.ZipFile) -> str:

@@ -19,6 +19,7 @@ from mpfcad.film import (
 from mpfcad.job import Job, MapTable
 from mpfcad.pipeline.plan.departure import AS_DESIGNED, CellMap, Departure, PrintError
 from mpfcad.pipeline.plan.groove_map import read_map
+from mpfcad.pipeline.plan.size import check_places
 
 #: Curvatures of a library, and length of its pieces [mm], unless the job says.
 LEVELS, PIECE = 64, 0.5
@@ -67,7 +68,8 @@ class CellFrame:
         Raises
         ------
         InputError
-            that begins with `where`, for a cell that is no whole number of grooves.
+            that begins with `where`, for a cell that is no whole number of grooves, or of too many
+            pieces.
         """
         count = round(self.size[0] / pitch)
         if count < 1 or abs(count * pitch - self.size[0]) > _ROOM:
@@ -75,7 +77,9 @@ class CellFrame:
                 f"{where}: film.pitch_um: {pitch * 1e3:g}: the LEDs' cell is {self.size[0]:g} mm "
                 "across its grooves: expected a whole number of grooves"
             )
-        return count, max(1, round(self.size[1] / piece))
+        pieces = max(1, round(self.size[1] / piece))
+        check_places(count, pieces, piece, where)
+        return count, pieces
 
 
 def wanted_over(

@@ -19,6 +19,7 @@ from mpfcad.job import Job
 from mpfcad.pipeline.plan.cell import LEVELS, PIECE, CellFrame
 from mpfcad.pipeline.plan.departure import AS_MAPPED, PrintError
 from mpfcad.pipeline.plan.printed.screen import flow_levelling
+from mpfcad.pipeline.plan.size import check_places
 
 #: Modulation of printed and bare pieces in turn below which no halftone is left.
 LEAST_MODULATION = 0.1
@@ -34,7 +35,7 @@ def halftone_of(job: Job, tone: NDArray[np.float64], where: str) -> Halftone:
     Raises
     ------
     InputError
-        that begins with `where`, for a map beyond the two curvatures.
+        that begins with `where`, for a map beyond the two curvatures, or blocks wider than a cell.
     """
     table, groove = job.halftone, job.film.groove
     assert table is not None  # the caller has looked
@@ -42,6 +43,11 @@ def halftone_of(job: Job, tone: NDArray[np.float64], where: str) -> Halftone:
         raise InputError(
             f"{where}: halftone.curvature_per_mm: {table.curvature_per_mm:g}: expected below "
             f"{groove.curvature_empty:g}, a groove with resin"
+        )
+    if table.grooves > len(tone):
+        raise InputError(
+            f"{where}: halftone.grooves: {table.grooves}: expected at most {len(tone)}, the "
+            "grooves of the LEDs' cell"
         )
     try:
         return build_halftone(groove, table.curvature_per_mm, tone, table.grooves)
@@ -126,6 +132,7 @@ def levelled_library(
     m = halftone.printed.shape[1]
     piece = frame.size[1] / m
     level = Levelling.of(job, piece, where)
+    check_places(len(halftone.printed), m * level.parts, piece / level.parts, where)
     groove, (x, y) = halftone.groove, error.shift
     wanted = halftone.levelled(
         piece,

@@ -10,6 +10,8 @@ from mpfcad.job import Job
 
 #: Largest mesh [triangles]: about 200 bytes each in memory while it is made and checked.
 _TRIANGLES = 4e7
+#: Places of pieces over a cell: each array of them is then 400 MB.
+_PLACES = 50_000_000
 
 
 def groove_count(width: float, pitch: float) -> int:
@@ -39,4 +41,19 @@ def refuse_mesh(job: Job, groove_count: int, where: str) -> None:
         raise InputError(
             f"{where}: cad.angle_tolerance_deg: {tolerance:g}: up to {triangles / 1e6:.0f} million "
             f"triangles in {groove_count} grooves: expected {fits} (or cad.extent = 'pitch')"
+        )
+
+
+def check_places(count: int, pieces: int, piece: float, where: str) -> None:
+    """Refuse more places of pieces, so long [mm], over a cell than memory holds.
+
+    Raises
+    ------
+    InputError
+        that begins with `where`.
+    """
+    if count * pieces > _PLACES:
+        raise InputError(
+            f"{where}: piece_mm: {piece:.4g}: {count} × {pieces:.4g} pieces over the LEDs' cell: "
+            f"expected at most {_PLACES:.0e}: longer pieces, or a smaller cell"
         )
