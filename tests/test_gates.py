@@ -217,8 +217,8 @@ def test_features_a_micrometre_too_narrow_fail(folder, plan, feature):
 def test_a_screen_s_features_count_to_the_nanometre(feature):
     """What is read back may be the rounding of two edges narrower than the limit, no more."""
     printing = SimpleNamespace(
-        mesh="120-34", release=None, aperture_limit=0.05, web_limit=0.06, ripple=0.0,
-        ripple_luminance=0.0, registration_curvature=0.0, ratio_min=0.5, ratio_max=0.5,
+        printed_share=None, mesh="120-34", release=None, aperture_limit=0.05, web_limit=0.06,
+        ripple=0.0, ripple_luminance=0.0, registration_curvature=0.0, ratio_min=0.5, ratio_max=0.5,
     )  # fmt: skip
     for less, outcome in ((1.9e-6, "PASS"), (2.1e-6, "FAIL")):
         size = {"smallest_aperture": 0.05, "smallest_web": 0.06}

@@ -68,8 +68,7 @@ class CellFrame:
         Raises
         ------
         InputError
-            that begins with `where`, for a cell that is no whole number of grooves, or of too many
-            pieces.
+            that begins with `where`, for a cell of no whole number of grooves, or too many pieces.
         """
         count = round(self.size[0] / pitch)
         if count < 1 or abs(count * pitch - self.size[0]) > _ROOM:
@@ -77,9 +76,9 @@ class CellFrame:
                 f"{where}: film.pitch_um: {pitch * 1e3:g}: the LEDs' cell is {self.size[0]:g} mm "
                 "across its grooves: expected a whole number of grooves"
             )
-        pieces = max(1, round(self.size[1] / piece))
-        check_places(count, pieces, piece, where)
-        return count, pieces
+        found = count, max(1, round(self.size[1] / piece))
+        check_places(*found, piece, where)
+        return found
 
 
 def wanted_over(
@@ -221,9 +220,8 @@ def _refuse(job: Job, stack: Stack, where: str) -> None:
 
 
 def _refuse_confidence(job: Job, where: str) -> None:
-    plain = job.film.cell == "groove" and job.halftone is None
-    if job.wants_confidence and not plain:
-        what = f"film.cell {job.film.cell}" if job.halftone is None else "[halftone]"
+    what = f"film.cell {job.film.cell}" if job.halftone is None else "[halftone]"
+    if job.wants_confidence and what != "film.cell groove":
         raise InputError(
             f"{where}: confidence: {what}: under LEDs is for films of grooves without halftones so "
             "far: expected to be left out: `mpfcad sweep` tells what thickness, LEDs and others do"
