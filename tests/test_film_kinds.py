@@ -116,6 +116,7 @@ def test_a_library_is_written_checked_and_shown(pieces, tmp_path):
     shown = kind.film_section(library.piece(0), np.empty(0), None, None)
     page = render(shown["template"], film=shown, record={"process": None})
     assert "5 different ones" in page and "6 × 4 places" in page
+    assert "lower left corner is x = y = 0, where a lattice has an LED" in shown["caption"]
 
 
 @pytest.mark.parametrize(

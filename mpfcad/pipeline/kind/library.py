@@ -11,7 +11,13 @@ from mpfcad.errors import InputError
 from mpfcad.film import CellLibrary, Imperfection, MadeFilm, PieceLibrary, PrismFilm
 from mpfcad.pipeline.kind.base import Check, Kind, Print, step_header
 from mpfcad.pipeline.kind.thin import is_thin, left_out_words
-from mpfcad.pipeline.kind.words import CURVATURE_WORDS, range_words, size_words, view_text
+from mpfcad.pipeline.kind.words import (
+    CORNER_WORDS,
+    CURVATURE_WORDS,
+    range_words,
+    size_words,
+    view_text,
+)
 from mpfcad.pipeline.plan.height import HEIGHT_FORMATS
 from mpfcad.record import ResinCheck
 
@@ -167,5 +173,5 @@ class PieceGrooves(Kind):
             "places": " × ".join(map(str, film.chosen.shape)),
             "length": f"{film.length:.6g}",
             "plot": plot(figure, "film"),
-            "caption": f"{CURVATURE_WORDS}, of the piece at each place.",
+            "caption": f"{CURVATURE_WORDS}, of the piece at each place. {CORNER_WORDS}",
         }

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mpfcad.film import CellLibrary, PrismFilm
 from mpfcad.pipeline.kind.library import PieceGrooves
-from mpfcad.pipeline.kind.words import range_words, size_words, view_text
+from mpfcad.pipeline.kind.words import CORNER_WORDS, range_words, size_words, view_text
 
 
 class PieceCells(PieceGrooves):
@@ -55,7 +55,7 @@ class PieceCells(PieceGrooves):
         size = self.film.groove.pitch
         across, along = (np.arange(0.5, n) * size for n in self.film.chosen.shape)
         return section | {
-            "caption": "Curvature along x of the cell at each place.",
+            "caption": f"Curvature along x of the cell at each place. {CORNER_WORDS}",
             "range": f"{section['range']} along x and {range_words(self.along)} along y",
             "plot_along": plot(curvature_figure(across, along, self.along), "film-along"),
         }

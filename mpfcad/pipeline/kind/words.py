@@ -7,6 +7,12 @@ from numpy.typing import NDArray
 #: Said under every plot of C.
 CURVATURE_WORDS = "C of z = z_{0} + C/2 · x² through the tips"
 
+#: Said under a plot of C over a cell of LEDs, whose corner is the middle of the light.
+CORNER_WORDS = (
+    "The lower left corner is x = y = 0, where a lattice has an LED; the map of the light has "
+    "that place in its middle."
+)
+
 
 def size_words(size: tuple[float, ...], number: str) -> str:
     """Return a size [mm] and what there is of it, in words."""

@@ -51,7 +51,7 @@ def _result(record: Record) -> list[tuple[str, str]]:
         ("σ / mean", with_interval(found["sigma_over_mean"], 4)),
         ("optical distance [mm], the plate over its index counted",
          number(record["optical_distance_mm"], 4)),
-        ("distance over LED pitch", number(record["height_over_pitch"], 3)),
+        ("H:P, that distance over the LED pitch", number(record["height_over_pitch"], 3)),
         ("paths of that trace", f"{found['paths'] / 1e6:.2f} million"),
         ("least contrast of any map of this mean within the limits, by a linear model",
          number(record["model_least"]["lamp_mura_contrast"], 4)),
