@@ -51,6 +51,8 @@ class Estimate:
     @classmethod
     def within(cls, value: float, low: float, high: float) -> "Estimate":
         """Return the estimate of a figure with its interval; its error is that of a normal one."""
+        # Plain floats: numpy's compare to what no JSON holds.
+        value, low, high = float(value), float(low), float(high)
         return cls(value, low, high, (high - low) / (2 * reach()))
 
 

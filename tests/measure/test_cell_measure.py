@@ -62,6 +62,13 @@ def test_a_harmonic_that_is_read_as_nothing_adds_no_noise():
     assert 0.015 < found.low < found.value == pytest.approx(0.02, abs=2e-3)
 
 
+@pytest.mark.parametrize("size", [0.0, 0.02])
+def test_a_contrast_is_of_plain_floats(size):
+    # Compared with a limit, numpy's floats give what no JSON holds.
+    contrast = series(np.random.default_rng(5), {(1, 0): size}, 1e-3).contrast(1)
+    assert {type(one) for one in (contrast.value, contrast.low, contrast.high)} == {float}
+
+
 def test_fewer_blocks_than_terms_still_give_an_interval():
     # Of 64 blocks, with a fourth harmonic along both axes: 81 terms.
     rng = np.random.default_rng(4)
