@@ -105,7 +105,8 @@ def luminance_over_cell(
     tally = tracer.rounds(run, half_width, half_width_goal, FIGURE)
     series, contrast = read[tally.blocks]
     value, error = tracer.map(tally)
-    refuse_fine(lit.stack.name, series, value, error, contrast.half_width)
+    if not can_connect(lit):  # under a sheet that scatters, what is so fine is the grooves' own
+        refuse_fine(lit.stack.name, series, value, error, contrast.half_width)
     return CellResult(
         (period.across, period.along), series, contrast, series.mean, value, error,
         _energy(tracer, run, tally), tally.paths, lit.accelerator, mirrored, choice,
